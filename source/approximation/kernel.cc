@@ -20,8 +20,7 @@ namespace tombolo
 
   namespace
   {
-    /** A kernel of truncated powers of |r|, which have no branch: Spline::evaluate() sets the value
-     * and the slope at distances. */
+    /** A kernel of truncated powers of |r|, without a branch: Spline::evaluate() of distances. */
     template <typename Spline>
     class SplineKernel : public Kernel
     {

@@ -14,8 +14,7 @@ namespace tombolo
   {
     namespace
     {
-      /** A position, each component in a vector of its own: an offset from it, broadcast, is one
-       * load and one subtraction. */
+      /** A position by components in vectors: an offset, broadcast, is a load and a subtraction. */
       class Axes
       {
       public:

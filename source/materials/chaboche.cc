@@ -378,8 +378,7 @@ namespace tombolo
       }
     }
 
-    /** Subtracts the share of plastic flow from the elastic tangent of the points from @p i on:
-     * dΔp = N : ds_trial/D. */
+    /** Subtracts plastic flow from the tangent from @p i on: dΔp = N : ds_trial/D. */
     void soften(const unsigned int i, const Return &points, const MaterialTangent &tangent) const
     {
       constexpr double round_off = 1e-12;

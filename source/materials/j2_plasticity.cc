@@ -119,8 +119,7 @@ namespace tombolo
           strain[k] = old_strain[k] + increment[k];
       }
 
-      /** How many points are not yet found, and how many of them Newton's method moves outside of
-       * the bounds. */
+      /** How many points are open, and how many Newton's method moves out of the bounds. */
       struct Progress
       {
         long long n_open, n_outside;
@@ -217,9 +216,8 @@ namespace tombolo
           static_cast<unsigned int>(internal_variables().size()) - (damage ? 1 : 0);
       pressure = EnergyPressure::create(e);
     }
-    /** "effective plastic strain", "plastic work" and, where needed, "temperature" and "yield
-     * stress" (only without a section "Heat") and "thermal work"; then those of EnergyPressure and
-     * DamageGrowth. */
+    /** "effective plastic strain", "plastic work" and, where needed, "temperature", "yield stress"
+     * (without "Heat") and "thermal work"; then those of EnergyPressure and DamageGrowth. */
     std::vector<FieldDescription> internal_variables() const override
     {
       std::vector<FieldDescription> fields = {

@@ -37,9 +37,8 @@ namespace tombolo
     }
   } // namespace
 
-  /** A flow stress interpolated linearly in a table over the effective plastic strain and, where
-   * the table has more than one row, the temperature or the plastic strain rate; constant beyond
-   * its ends. */
+  /** A flow stress interpolated linearly in a table over the effective plastic strain and, in
+   * tables of several rows, the temperature or plastic strain rate; constant beyond its ends. */
   class TabularHardening : public FlowStress
   {
   public:

@@ -156,8 +156,7 @@ namespace tombolo
       return invert(matrix) * right_hand_side;
     }
 
-    /** Weights, with gradients or without, and offsets; returns the mean half width of the
-     * neighbours. */
+    /** Weights, with gradients or without, and offsets; returns the mean half width. */
     double find_weights(const dealii::Point<dim> &x, const unsigned int n,
                         const double *const position, const double *const support,
                         const bool with_gradients)
@@ -282,8 +281,7 @@ namespace tombolo
         value[k] = std::exp(value[k]);
     }
 
-    /** Newton's method from λ = 0; Ψ_J to @p value and, unless it is null, ∇Ψ_J to @p gradient.
-     * Offsets are over @p size. */
+    /** Newton's method from λ = 0; ∇Ψ_J unless @p gradient is null. Offsets are over @p size. */
     Result solve(const unsigned int n, const double size, double *const value,
                  dealii::Tensor<1, dim> *const gradient)
     {

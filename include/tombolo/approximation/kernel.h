@@ -19,8 +19,7 @@ namespace tombolo
   public:
     virtual ~Kernel() = default;
 
-    /** w(r) and its derivative dw/dr at @p n coordinates. @p n is a multiple of n_lanes. Any r is
-     * allowed; the results are exactly zero for |r| >= 1. */
+    /** w(r) and dw/dr at @p n coordinates, a multiple of n_lanes; exactly zero for |r| >= 1. */
     virtual void evaluate(std::size_t n, const double *r, double *w, double *dw) const = 0;
 
     /** Whether w is differentiable at r = 0. Shape functions of moving least squares need that,

@@ -60,8 +60,7 @@ namespace tombolo
 
     using Points = std::array<dealii::Point<dim>, most_points>;
 
-    /** At @p n points @p x, which are now at @p present_x. Returns those that have values, as
-     * bits. */
+    /** At @p n points @p x, now at @p present_x. Returns those that have values, as bits. */
     unsigned int evaluate(const unsigned int n, const Points &x, const Points &present_x)
     {
       // As in ConvexApproximation::minimize().

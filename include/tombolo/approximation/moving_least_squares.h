@@ -24,8 +24,7 @@ namespace tombolo
   {
     unsigned int row;          ///< index into Stencils::particle_node
     unsigned int n_neighbours; ///< with a weight above zero, the particle itself included
-    /** Condition number of the moment matrix in coordinates scaled by the particle's support;
-     * infinite where it is singular. */
+    /** Condition of the moment matrix in coordinates over the support; infinite: singular. */
     double condition;
   };
 
@@ -533,8 +532,7 @@ namespace tombolo
                       gradient + batch.start[lane] * n_gradient_terms);
     }
 
-    /** Sets a row to Shepard's functions if its moment matrix has too large a condition number, and
-     * records its defect. */
+    /** Sets a row to Shepard's functions where its condition is too large; records the defect. */
     void check_basis(const unsigned int row, const Stencils &shape, double *const value,
                      double *const gradient)
     {

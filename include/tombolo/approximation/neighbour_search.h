@@ -15,8 +15,7 @@
 
 namespace tombolo
 {
-  /** Numbers occupied bins 0, 1, ... by their keys, in a hash table with open addressing. Memory is
-   * kept: as many bins after clear() allocate nothing. */
+  /** Numbers occupied bins 0, 1, ... by their keys, by open addressing. clear() keeps memory. */
   class BinTable
   {
   public:
@@ -154,8 +153,7 @@ namespace tombolo
     }
 
   private:
-    /** Bins along one axis, at most: beyond, distant bins share a number, which only adds
-     * candidates that the exact test removes. */
+    /** Bins along one axis: distant ones beyond share a number, which only adds candidates. */
     static constexpr double n_bins_per_axis = 1 << 20;
 
     /** Rows that share one list of candidates. */

@@ -40,8 +40,7 @@ namespace tombolo
     /** Neighbours are candidates up to (1 + skin) times the support. */
     explicit Neighbourhoods(const double skin = 0.) : skin(skin) {}
 
-    /** From the next search on, the neighbours of a row are in the order of their offsets from the
-     * particle, whatever their numbers are. */
+    /** From the next search on, neighbours are in the order of their offsets from the particle. */
     void order_by_offset()
     {
       is_ordered_by_offset = true;
@@ -230,8 +229,7 @@ namespace tombolo
       return all_supports;
     }
 
-    /** Particles and neighbours of @p shape become local numbers of @p partition, which must have
-     * all global_nodes() and images(). */
+    /** Particles and neighbours of @p shape become local numbers of @p partition, which has all. */
     void set_partition(const NodePartition &partition, Stencils &shape)
     {
       for (std::size_t index = 0; index < all_nodes.size(); ++index)
@@ -267,8 +265,7 @@ namespace tombolo
       shape.neighbour.resize(kept);
     }
 
-    /** The index of each neighbour of the rows. Particles of this rank have the index of their row.
-     */
+    /** The index of each neighbour of the rows; particles of this rank have that of their row. */
     const std::vector<unsigned int> &neighbour_indices() const
     {
       return neighbour_index;
@@ -336,8 +333,7 @@ namespace tombolo
       std::iota(list.begin(), list.end(), 0u);
     }
 
-    /** Appends the images of particles that can reach a particle of this rank to the positions and
-     * supports by index. */
+    /** Appends the images of particles that can reach a particle of this rank. */
     void add_images(const RemoteParticles &remote)
     {
       // Closer than this share of its support a particle is on a mirror, and its own image.

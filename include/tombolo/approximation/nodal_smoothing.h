@@ -31,12 +31,10 @@ namespace tombolo
     /** Σ_J φ_J(x_I) a_J of one particle. */
     NodeLanes gather_row(const Stencils::Row &row, const double *field);
 
-    /** F_I = Σ_J x_J ⊗ ∇φ_J and its inverse, stored in @p shape. Throws RunError where F is
-     * singular. */
+    /** F_I = Σ_J x_J ⊗ ∇φ_J and its inverse, to @p shape. Throws RunError where F is singular. */
     template <int dim>
     void update_inverse_deformation(const double *position, Stencils &shape);
-    /** The same, unless it is current or a determinant is not positive: the caller that needs it
-     * then reports the particle that is turned inside out. */
+    /** The same, unless it is current or a determinant is not positive; the caller reports that. */
     template <int dim>
     void try_inverse_deformation(const double *position, Stencils &shape);
 
@@ -44,8 +42,7 @@ namespace tombolo
     void scatter(const Stencils &shape, const double *row_mass, const double *velocity,
                  double *momentum);
 
-    /** result_I += w_I Σ_J φ_J(x_I) a_J with row weights w (node_stride per row): rows of Φ, eqs
-     * (22), (25). */
+    /** result_I += w_I Σ_J φ_J(x_I) a_J, w of node_stride per row: rows of Φ, eqs (22), (25). */
     void gather(const Stencils &shape, const double *row_weight, const double *field,
                 double *result);
 

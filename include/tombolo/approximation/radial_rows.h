@@ -202,15 +202,13 @@ namespace tombolo
     }
 
   private:
-    /** Entries that are treated together: one virtual call of the kernel evaluates them, and they
-     * stay in the first-level cache. */
+    /** Entries of one call of the kernel; they stay in the first-level cache. */
     static constexpr std::size_t block_entries = 512;
 
     /** Of distances: far from subnormal numbers, with which the machine is slow [L^2]. */
     static constexpr double smallest_square = 1e-200;
 
-    /** The inverse of a matrix with the determinant @p det; the library's is a call for each row.
-     */
+    /** With the determinant @p det; the library's inverse is a call for each row. */
     static dealii::SymmetricTensor<2, 2> inverse_of(const dealii::SymmetricTensor<2, 2> &matrix,
                                                     const double det)
     {
@@ -301,8 +299,7 @@ namespace tombolo
         if (buffer->size() < n_buffered)
           buffer->resize_fast(n_buffered);
     }
-    /** Offsets, their squares and volumes of the neighbours of a row, from entry @p begin of the
-     * buffers on, and their numbers in @p shape. */
+    /** Offsets, their squares and volumes of a row, from entry @p begin on; numbers in @p shape. */
     Entries gather(const unsigned int row, const std::size_t begin, const Stencils &candidates,
                    Stencils &shape)
     {
@@ -387,8 +384,7 @@ namespace tombolo
       }
       radial_kernel.evaluate(n_entries, distance.data(), value.data(), slope.data());
     }
-    /** The factors c of ∇φ_J = c d of a row. Returns F = Σ c d dᵀ and counts the neighbours within
-     * the support. */
+    /** The factors c of ∇φ_J = c d. Returns F = Σ c d dᵀ, counts neighbours within the support. */
     dealii::SymmetricTensor<2, dim> find_factors(const Entries &entries, unsigned int &n_neighbours)
     {
       constexpr unsigned int n_sums = dealii::SymmetricTensor<2, dim>::n_independent_components;
@@ -433,8 +429,7 @@ namespace tombolo
           moment[a][b] = reduce(sum[pair++]);
       return moment;
     }
-    /** Finds the factors of a row, and what they are multiplied with; notes rows that are not
-     * corrected. */
+    /** The correction of a row, and its factors; notes rows that are not corrected. */
     dealii::SymmetricTensor<2, dim> find_correction(const unsigned int row, const Entries &entries,
                                                     const std::vector<double> &volume,
                                                     Stencils &shape)

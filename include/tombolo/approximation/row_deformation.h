@@ -36,8 +36,7 @@ namespace tombolo
     return deformation;
   }
 
-  /** √Σ_J |F⁻ᵀ∇φ_J|² of @p row, by the gradients in the present configuration [1/L]; infinite where
-   * F is not that of a body. @p position has current ghosts. */
+  /** √Σ_J |F⁻ᵀ∇φ_J|² of @p row at @p position (current ghosts) [1/L]; infinite for det F <= 0. */
   template <int dim>
   double present_gradient(const Stencils &shape, const unsigned int row,
                           const NodalVector &position)

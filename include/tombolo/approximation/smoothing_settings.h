@@ -26,8 +26,7 @@ namespace tombolo
 
     /** The entries `Smoothing` and `Smallest smoothed mass` of the section of a formulation. */
     static void declare_parameters(const Entries &e);
-    /** Their values, where sharpened smoothing depends on kernel and dilation. Throws InputError.
-     */
+    /** Where sharpened smoothing depends on kernel and dilation. Throws InputError. */
     static SmoothingSettings read(const Section &section, const Kernel &kernel, double dilation);
 
     bool operator==(const SmoothingSettings &other) const

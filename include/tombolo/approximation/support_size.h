@@ -9,8 +9,7 @@
 
 namespace tombolo
 {
-  /** Half widths of the cuboidal supports, node_stride doubles a node, z zero in two dimensions
-   * [L]. */
+  /** Half widths of cuboidal supports, node_stride doubles a node, z zero in the plane [L]. */
   namespace SupportSize
   {
     /**

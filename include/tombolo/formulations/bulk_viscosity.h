@@ -35,9 +35,8 @@ namespace tombolo
     void initialize(const Material &material, int dimension, MaterialPoints &points);
 
     /** Advances pressure, dissipation, "viscous work" where the material has it, and tangent of @p
-     * n points from @p first on by a step with these strain increments (the first three components
-     * of MaterialBatch), with volumes and volume ratios at the end of the step. To be called only
-     * if on. */
+     * n points from @p first on, with strain increments as in MaterialBatch, and volumes and volume
+     * ratios at the end of the step. Only if on. */
     void advance(MaterialPoints &points, std::size_t first, unsigned int n,
                  const double *const strain_increment[3], double time_increment) const;
 
@@ -47,8 +46,7 @@ namespace tombolo
       return points.component(pressure_field, 0);
     }
 
-    /** dq/d|tr D| of every point at the last step [M/(L T)], of points in compression or not; only
-     * if on. */
+    /** dq/d|tr D| of every point at the last step [M/(L T)], in compression or not; only if on. */
     const double *tangent(const MaterialPoints &points) const
     {
       return points.component(tangent_field, 0);
@@ -70,7 +68,6 @@ namespace tombolo
     bool has_work = false;
   };
 
-  /** Σ f V/J over the points of the field of this name, a quantity per initial volume; zero if
-   * there is no such field. */
+  /** Σ f V/J over the points of this field, a quantity per initial volume; zero without it. */
   double integral_over_initial_volume(const MaterialPoints &points, const std::string &field);
 } // namespace tombolo

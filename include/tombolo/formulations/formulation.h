@@ -47,8 +47,7 @@ namespace tombolo
     bool cells_can_leave = false;
     /** The part whose cells become this part's while the run goes on; it has none before. */
     std::optional<unsigned int> source;
-    /** Other parts of the same formulation with the same entries, of the same material and of
-     * another. */
+    /** Other parts of this formulation with the same entries, of this and of another material. */
     std::vector<unsigned int> equal_parts, parts_of_other_material;
     /** Whether the cells of @p part are of this part or of an equal one. */
     bool is_of_equals(const unsigned int part) const
@@ -91,8 +90,7 @@ namespace tombolo
     neighbours ///< rows have other neighbours; shape functions are rebuilt
   };
 
-  /** The nodes in the middle of the faces and edges of a cell, where cells of half its size lie
-   * beside it. */
+  /** The nodes in the middle of faces and edges of a cell beside cells of half its size. */
   enum class MiddleNodes
   {
     refused,
@@ -114,9 +112,8 @@ namespace tombolo
   struct CellEquations
   {
     std::vector<unsigned int> nodes; ///< local numbers
-    /** ∂f/∂x of the internal force f of the cell (that of eq. (16) with the sign of +K) with the
-     * positions at the end of the step, row by row; component d of node k is row and column
-     * dim k + d. */
+    /** ∂f/∂x of the internal force f of the cell (eq. (16), sign of +K) with the positions at the
+     * end of the step, row by row; component d of node k is row and column dim k + d. */
     std::vector<double> matrix;
     std::vector<double> force; ///< f, by component of each node
   };
@@ -139,8 +136,7 @@ namespace tombolo
   public:
     virtual ~Formulation() = default;
 
-    /** The degree of the nodes this formulation needs; the parts of a scene must agree. Zero: any.
-     */
+    /** The degree of the nodes that this needs, the same in all parts of a scene. Zero: any. */
     virtual unsigned int degree() const = 0;
 
     virtual MiddleNodes middle_nodes() const
@@ -164,8 +160,7 @@ namespace tombolo
     /** The cost of a step for cells and nodes of the part with points of @p material, in the
      * relative units of StepCosts, where the box along the axes around a cell has @p box_ratio
      * times its volume: supports are such boxes. The mesh is distributed so that all ranks have the
-     * same sum of it. Called before initialize(). The default is about that of an element with
-     * n_points_per_cell() points. */
+     * same sum of it. Called before initialize(). */
     virtual StepCost step_cost(const Material &material, const double /*box_ratio*/) const
     {
       return StepCosts::element_cost(dim, std::max(degree(), 1u), std::max(n_points_per_cell(), 1u),
@@ -178,8 +173,7 @@ namespace tombolo
     /** Nodes whose values this rank needs: nodes of its cells, neighbours of its particles. */
     virtual dealii::IndexSet required_nodes() const = 0;
 
-    /** Images of nodes whose values this rank needs, in any order; their sources are among
-     * required_nodes(). Changes when those do. */
+    /** Images of nodes that this rank needs, in any order; their sources are required_nodes(). */
     virtual std::vector<ImageNode> required_image_nodes() const
     {
       return {};
@@ -188,12 +182,10 @@ namespace tombolo
     /** Translates cached node numbers to the local numbers of @p partition. */
     virtual void set_partition(const NodePartition &partition) = 0;
 
-    /** Adds the initial mass of the part at its nodes; scalar vector, ghosts are collected by the
-     * caller. Lumped: row sums, or Gauss-Lobatto weights. */
+    /** Adds the initial mass at nodes, lumped (scalar); ghosts are collected by the caller. */
     virtual void add_mass(NodalVector &mass) const = 0;
 
-    /** Advances the stress from t_{n-1} to t_n (objective rate, eqs 13, 5, 19) and adds
-     * -Gᵀ(V σ) (eq. 16) to @p force. */
+    /** Advances the stress to t_n (objective rate, eqs 13, 5, 19), adds -Gᵀ(V σ) (eq. 16). */
     virtual void add_internal_force(const MechanicalInput &input, NodalVector &force) = 0;
 
     /** The phase that the time of add_internal_force() is counted as: a literal. */
@@ -203,9 +195,8 @@ namespace tombolo
     }
 
     /** What made the last add_internal_force() useless on this rank, with its position ("the cell
-     * at (1, 2, 3) is turned inside out ..."); empty if nothing did. Not thrown from the loop,
-     * since it is not known to other ranks: the caller exchanges it and throws a RunError on
-     * all. */
+     * at (1, 2, 3) is turned inside out ..."); empty if nothing did. Not thrown, since other ranks
+     * do not know it: the caller exchanges it and throws a RunError on all. */
     virtual std::string failure() const
     {
       return {};
@@ -217,20 +208,17 @@ namespace tombolo
     virtual void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
                                          double time_step, NodalVector &force) const = 0;
 
-    /** Hands over the equations of each present cell for the motion of @p input, from material
-     * points as they are at the start of the step: what implicit steps need. Afterwards the points
-     * are in no state of use: within a Trial, which is restarted next. Ghosts of the input are
-     * current. Not collective. */
+    /** Hands over the equations of each present cell for the motion of @p input (current ghosts),
+     * from material points at the start of the step: for implicit steps. Afterwards the points are
+     * in no state of use: within a Trial, which is restarted next. Not collective. */
     virtual void find_cell_equations(const MechanicalInput & /*input*/,
                                      const std::function<void(const CellEquations &)> & /*take*/)
     {}
 
-    /** Calls @p use with groups of nodes that act on each other, beside those of each cell of the
-     * mesh: local numbers. */
+    /** Calls @p use with groups of local nodes that act on each other beside those of cells. */
     virtual void find_couplings(const NodeGroupAction & /*use*/) const {}
 
-    /** What find_cell_equations() does not linearize in the part, for a message; empty: nothing. By
-     * default it linearizes nothing. */
+    /** What find_cell_equations() does not linearize, for a message; empty: nothing. Null: all. */
     virtual std::optional<std::string> unfit_to_linearize() const
     {
       return std::nullopt;
@@ -286,11 +274,10 @@ namespace tombolo
       throw InputError("A part has a formulation whose cells cannot be given mass one by one.");
     }
 
-    /** Energies of the part, this rank's shares, from the stored state of its points:
-     * "elastic energy" (Σ ½ σ : C⁻¹ : σ V), "hourglass energy" (of zero-energy modes),
-     * "plastic dissipation", "viscous dissipation" (artificial, of hourglass control too),
-     * "thermal work" (given to the elastic energy by changes of the temperature; with heat only),
-     * and whatever else it stores or dissipates. */
+    /** Energies of the part, this rank's shares, from the state of its points: "elastic energy" (Σ
+     * ½ σ : C⁻¹ : σ V), "hourglass energy" (zero-energy modes), "plastic dissipation", "viscous
+     * dissipation" (artificial, of hourglass control too), "thermal work" (given to the elastic
+     * energy by changes of temperature; with heat only), and others. */
     virtual EnergyAccounts energies() const
     {
       return part_points.energies();
@@ -310,28 +297,24 @@ namespace tombolo
           "A part has a formulation that conducts no heat, but its material has heat.");
     }
 
-    /** eq. (41) for heat without its factor: ρ c l²/(2 k), smallest over this rank's cells or
-     * particles, with the largest k/c of the material. */
+    /** eq. (41) for heat without its factor: ρ c l²/(2 k), the smallest, by the largest k/c. */
     virtual StepLimit diffusion_limit(const NodalVector & /*position*/) const
     {
       return {};
     }
 
-    /** Adds the heat of the plastic work since the last call to @p heat (scalar; ghosts are
-     * collected by the caller), and counts it as given. */
+    /** Adds the heat of plastic work since the last call (scalar), and counts it as given. */
     virtual void add_plastic_heat(NodalVector & /*heat*/) {}
 
-    /** The heat that add_plastic_heat() would add in all now, over this rank's points [M
-     * L^2/T^2]. */
+    /** The heat that add_plastic_heat() would add now, over this rank [M L^2/T^2]. */
     double pending_plastic_heat() const
     {
       return part_points.heating().pending(points());
     }
 
-    /** Rebuilds neighbourhoods at the present positions where their criterion requires it. When
-     * neighbours or ghosts changed, required_nodes() returns the ghosts that this rank needs now,
-     * and the caller makes a new partition and calls set_partition() before the next use. The same
-     * result on all ranks. Collective. */
+    /** Rebuilds neighbourhoods at these positions where their criterion requires it. When
+     * neighbours or ghosts changed, the caller makes a new partition with required_nodes(), and
+     * calls set_partition() before the next use. The same result on all ranks. Collective. */
     virtual NeighbourhoodChange update_neighbourhoods(const NodalVector & /*position*/)
     {
       return NeighbourhoodChange::none;
@@ -357,8 +340,7 @@ namespace tombolo
       return part_points.material();
     }
 
-    /** For output: number of cells (zero for particles) and material points per cell. Cells of
-     * this rank in the order of active cells of the triangulation. */
+    /** For output: cells of this rank in the order of active ones (none: particles), points. */
     virtual unsigned int n_cells() const = 0;
     virtual unsigned int n_points_per_cell() const = 0;
 
@@ -393,14 +375,12 @@ namespace tombolo
       return cell * n_points_per_cell() + q;
     }
 
-    /** Sets points that stand for no cell to the values of those of a cell in a field of points(),
-     * where values of cells have been set. */
+    /** Sets points that stand for no cell to the values of a cell, where these have been set. */
     virtual void fill_unused_lanes(const unsigned int /*field*/) {}
 
-    /** Writes to a checkpoint, or reads from it, what the part stores beyond points(). Rows of
-     * the archive are the part's: a row per cell, or per particle. After reading, required_nodes()
-     * and set_partition() are called as after a change of neighbours, then complete_reading().
-     * Collective. */
+    /** Lists what the part stores beyond points(). Rows of the archive are the part's: one per
+     * cell, or per particle. After reading, required_nodes() and set_partition() are called as
+     * after a change of neighbours, then complete_reading(). Collective. */
     virtual void list(Records & /*records*/) {}
 
     /** Computes the data that follow from those that were read. @p buffer is a vector of positions

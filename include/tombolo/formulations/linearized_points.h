@@ -139,8 +139,7 @@ namespace tombolo
           stress[q][c] = load_lanes(stress_of_batch[c] + q * n_lanes);
     }
 
-    /** Volume times stress of @p changed: the stress is that of @p motion, of update(),
-     * and what the tangent makes of the difference. */
+    /** Volume times stress of @p changed, by that of @p motion of update() and the tangent. */
     void integrate(const Motion &motion, const Motion &changed,
                    Lanes (&integrated)[n_points][6]) const
     {

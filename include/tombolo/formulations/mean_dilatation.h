@@ -10,8 +10,7 @@
 
 namespace tombolo
 {
-  /** The energy W = κ w + w², w = ½ (d + 1/d) - 1, of a dilatation d beside the one that counts,
-   * and its derivatives with ln d. */
+  /** The energy W = κ w + w², w = ½ (d + 1/d) - 1, of an own dilatation d; derivatives by ln d. */
   struct OwnDilatation
   {
     static constexpr double stiffness_at_one = 0.01; ///< κ
@@ -56,8 +55,7 @@ namespace tombolo
       return sum;
     }
 
-    /** Puts the mean into the gradients L_q, and what that adds to their diagonals into @p shared.
-     */
+    /** Puts the mean into the gradients L_q; @p shared is what that adds to their diagonals. */
     template <int dim, unsigned int n_points>
     void share_gradient(const Lanes (&volume)[n_points], Matrix3<Lanes> (&gradient)[n_points],
                         Lanes (&shared)[n_points])
@@ -96,8 +94,7 @@ namespace tombolo
           motion[q].strain[d] += (1. / dim) * (mean - dilatation[q]);
     }
 
-    /** The same for StrainMeasure::logarithmic. The volume of each point changes as that of the
-     * cell: a function of the positions alone. */
+    /** The same for logarithmic strains. Volumes of points change as that of the cell. */
     template <int dim, unsigned int n_points>
     void share_logarithmic(const Lanes (&volume)[n_points],
                            MotionIncrement<Lanes> (&motion)[n_points])
@@ -159,8 +156,7 @@ namespace tombolo
       return sum / (dim * total);
     }
 
-    /** The volume of n_lanes cells, as their points have it now, over that of @p former; one where
-     * there is no cell. */
+    /** The volume of n_lanes cells over that of @p former; one where there is no cell. */
     template <unsigned int n_points>
     Lanes growth_of_cell(const double *former, const Lanes (&present)[n_points])
     {

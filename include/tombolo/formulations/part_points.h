@@ -37,14 +37,12 @@ namespace tombolo
     /** Strain measure, with this default, and viscosity of a section. */
     explicit PartPoints(const Entries &e, StrainMeasure by_default = StrainMeasure::rate);
 
-    /** Sets material and heat of a part, the latter null in scenes without heat. There are no
-     * points yet, and none in a scene of heat alone. */
+    /** Sets material and heat (null: none). There are no points yet, or none with heat alone. */
     void initialize(const std::shared_ptr<const Material> &material,
                     const std::shared_ptr<const ThermalProperties> &heat, bool has_mechanics);
 
-    /** Makes @p n points without volume, with the fields of the material, those @p
-     * formulation_fields, of viscosity and heat, and @p further ones; none in a scene of heat
-     * alone. */
+    /** Makes @p n points without volume, with the fields of the material, @p formulation_fields,
+     * those of viscosity and heat, and @p further ones; none in a scene of heat alone. */
     void create(unsigned int n, const std::vector<FieldDescription> &formulation_fields = {},
                 const std::vector<FieldDescription> &further = {});
 
@@ -105,8 +103,7 @@ namespace tombolo
       return variables_of_formulation;
     }
 
-    /** Volume times stress, less that of the artificial pressure, of n_lanes points from @p i on.
-     */
+    /** Volume times stress, less the artificial pressure, of n_lanes points from @p i on. */
     TOMBOLO_ALWAYS_INLINE void integrate_stress(const std::size_t i, Lanes (&stress)[6]) const
     {
       const Lanes volume = load_lanes(material_points.component(MaterialPoints::volume, 0) + i);
@@ -123,8 +120,7 @@ namespace tombolo
     void complete(MaterialBatch &batch, std::size_t first, const double *nodal_temperature,
                   double *temperature_increment);
 
-    /** Turns the tensors among the variables of the material, of n_lanes points from @p i on, as
-     * rotate() does the stress. */
+    /** Turns the material's tensors at n_lanes points from @p i on, as rotate() does the stress. */
     TOMBOLO_ALWAYS_INLINE void turn_variables(const std::size_t i, const Lanes (&spin)[3])
     {
       for (const std::array<double *, 6> &component : turning_variables)

@@ -43,9 +43,8 @@ namespace tombolo
         part.material().elastic_moduli(n, part.temperature(first), bulk, shear);
     }
 
-    /** The motion of n_lanes points from number @p i of the block on by H = Δt ∂v/∂x at the end of
-     * the step. Where the measure is logarithmic their stress of t_{n-1} becomes Kirchhoff's and is
-     * turned (eq. 19). Once for each point. */
+    /** The motion of n_lanes points from @p i of the block on by H = Δt ∂v/∂x_n. Where the measure
+     * is logarithmic their stress of t_{n-1} becomes Kirchhoff's and is turned (eq. 19). Once. */
     TOMBOLO_ALWAYS_INLINE MotionIncrement<Lanes> motion(const unsigned int i,
                                                         const Matrix3<Lanes> &h)
     {

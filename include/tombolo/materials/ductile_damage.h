@@ -10,8 +10,7 @@
 
 namespace tombolo
 {
-  /** What a strain at failure is evaluated at: n points, as arrays that do not overlap. n is a
-   * multiple of n_lanes. */
+  /** Arguments of a strain at failure: n points, a multiple of n_lanes; arrays do not overlap. */
   struct FailureStrainBatch
   {
     unsigned int n;            ///< number of points
@@ -22,8 +21,7 @@ namespace tombolo
     double *failure_strain; ///< out: effective plastic strain at failure, larger than zero
   };
 
-  /** The plastic strain at which a material fails, in batches: damage grows by the plastic strain
-   * over it. */
+  /** The plastic strain at which a material fails: damage grows by the plastic strain over it. */
   class DuctileDamage
   {
   public:
@@ -41,8 +39,7 @@ namespace tombolo
   };
 
   /** The damage of points, D = Σ Δε_p/ε_f with the ε_f of a DuctileDamage at the end of each step.
-   * It changes no stress: criteria of bonds, erosion and conversion compare it with their limits.
-   */
+   * It changes no stress: criteria of bonds, erosion, conversion compare it with limits. */
   class DamageGrowth
   {
   public:
@@ -61,9 +58,8 @@ namespace tombolo
 
     FieldDescription field() const;
 
-    /** Adds to @p damage of @p n points from @p begin on: their stress in @p batch and @p
-     * plastic_strain are those at the end of the step, @p old_plastic_strain that at its start;
-     * @p temperature is null if not needed. */
+    /** Adds to @p damage of @p n points from @p begin on, with the stress of @p batch at the end of
+     * the step and the plastic strains there and before; @p temperature is null if not needed. */
     void advance(const MaterialBatch &batch, unsigned int begin, unsigned int n,
                  const double *old_plastic_strain, const double *plastic_strain,
                  const double *temperature, double *damage) const;

@@ -5,8 +5,7 @@
 
 namespace tombolo
 {
-  /** What a flow stress is evaluated at: n points, as arrays that do not overlap. n is a multiple
-   * of n_lanes. */
+  /** What a flow stress is evaluated at: n points, a multiple of n_lanes; no arrays overlap. */
   struct FlowStressBatch
   {
     unsigned int n;                   ///< number of points

@@ -74,9 +74,8 @@ namespace tombolo
     return result;
   }
 
-  /** The factor that MaterialBatch::volume_ratio has to have so that work is that per initial
-   * volume, where the stress is Kirchhoff's: a material multiplies it by that of the middle of the
-   * step. */
+  /** The factor that MaterialBatch::volume_ratio has to have so that work is per initial volume,
+   * where the stress is Kirchhoff's: a material multiplies it by that of the middle of the step. */
   TOMBOLO_ALWAYS_INLINE Lanes work_factor(const MotionIncrement<Lanes> &motion)
   {
     const Lanes x = 0.5 * (motion.strain[0] + motion.strain[1] + motion.strain[2]);

@@ -82,8 +82,7 @@ namespace tombolo
       return inertia_over_mass;
     }
 
-    /** Multiplies the inertia: uniform mass scaling, or the process run faster. Before a part is
-     * made of the material. */
+    /** Multiplies the inertia, as mass scaling or a faster process; before a part is made of it. */
     void scale_inertia(const double factor)
     {
       inertia_over_mass *= factor;
@@ -127,8 +126,7 @@ namespace tombolo
     /** Hypoelastic update (eq. 5): the stress comes in already rotated by the objective rate. */
     virtual void update_stress(MaterialBatch &batch) const = 0;
 
-    /** The same, and its consistent tangent; by default by difference quotients, in seven updates.
-     */
+    /** The same, and its consistent tangent; by default by difference quotients: seven updates. */
     virtual void update_stress_and_tangent(MaterialBatch &batch,
                                            const MaterialTangent &tangent) const;
 

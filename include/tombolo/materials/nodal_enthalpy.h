@@ -10,8 +10,7 @@
 
 namespace tombolo
 {
-  /** The enthalpy of nodes as a function of their temperature: H(θ) = Σ m h(θ) over the parts that
-   * meet at the node. Nodes are owned ones of this rank. */
+  /** The enthalpy of owned nodes: H(θ) = Σ m h(θ) over the parts that meet at the node. */
   class NodalEnthalpy
   {
   public:
@@ -23,8 +22,7 @@ namespace tombolo
       linear = true;
     }
 
-    /** Adds the mass that a part has at a node, and its density, which effusivity() needs. @p
-     * properties must outlive this. */
+    /** Adds mass and density (for effusivity()) of a part; @p properties must outlive this. */
     void add(const unsigned int node, const double mass, const ThermalProperties &properties,
              const double density = 0.)
     {
@@ -88,8 +86,7 @@ namespace tombolo
         sum += shares[k].mass * shares[k].properties->capacity().value(temperature);
       return sum;
     }
-    /** √(k ρ c), the mean over the masses of the parts that meet at the node; zero at a node
-     * without mass. */
+    /** √(k ρ c), the mean over the masses of the parts at the node; zero without mass. */
     double effusivity(const unsigned int node, const double temperature) const
     {
       double sum = 0, mass = 0;

@@ -132,8 +132,7 @@ namespace tombolo
     return a;
   }
 
-  /** exp(-2x) - 1 of a tensor: two series, exact to round-off up to some √(x : x), and the function
-   * of a number. */
+  /** exp(-2x) - 1: two series, exact to round-off up to some √(x : x), and of a number. */
   struct InverseStretch
   {
     static double scalar_value(const double x)

@@ -17,8 +17,7 @@ namespace tombolo
   class ThermalProperties
   {
   public:
-    /** Those of a material, null where its section "Material: NAME" has no section "Heat" that sets
-     * anything. Throws InputError. */
+    /** Of a material; null where no section "Heat" sets anything. Throws InputError. */
     static std::shared_ptr<const ThermalProperties> read(const Section &material);
 
     explicit ThermalProperties(const Entries &e);

@@ -22,8 +22,7 @@ namespace tombolo
       return values;
     }
 
-    /** The mass of a cell, the multilinear image of the reference cell through its corners, lumped
-     * to its nodes. */
+    /** The mass of a multilinear cell, lumped to its nodes. */
     template <int dim>
     class LumpedVolumes
     {

@@ -20,9 +20,8 @@ namespace tombolo
 {
   namespace
   {
-    /** Calls @p use with the position and the volume of each point of integration of the cells of
-     * this rank, multilinear images of the reference cell through their corners: exact for
-     * polynomials of degree two. */
+    /** Calls @p use with position and volume of each point of integration of the cells of this
+     * rank, multilinear images of the reference cell: exact for polynomials of degree two. */
     template <int dim, typename Use>
     void for_volumes(const CellBatches<dim> &cells, const unsigned int degree, const Use &use)
     {

@@ -198,8 +198,7 @@ namespace tombolo
   template class LeastSquaresRows<3>;
 
   /** `Strain measure` of particles, whose default follows `Smoothing`. Throws the InputError of a
-   * logarithmic measure with a smoothing by which positions do not move with the velocity that
-   * strains. */
+   * logarithmic one with a smoothing by which positions do not move with the straining velocity. */
   StrainMeasure particle_strain_measure(const Entries &e)
   {
     const std::string measure = e.choice(

@@ -19,8 +19,7 @@ namespace tombolo
 {
   namespace
   {
-    /** The cells between the support points of a cell of some degree: lists of 2^dim indices of its
-     * lexicographic nodes. */
+    /** The cells between nodes of a cell of some degree: lists of 2^dim lexicographic indices. */
     template <int dim>
     std::vector<std::vector<unsigned int>> subcells(const unsigned int degree)
     {
@@ -105,8 +104,7 @@ namespace tombolo
       return collected;
     }
 
-    /** Widens the supports of those nodes of @p collected on which others depend so that they reach
-     * each other. */
+    /** Widens supports of nodes on which others depend so that they reach each other. */
     template <int dim>
     void widen_supports(const Nodes<dim> &nodes, CollectedNodes &collected)
     {

@@ -74,8 +74,7 @@ namespace tombolo
 
   namespace
   {
-    /** The vectors b of owned nodes: where tractions of a constant stress act as nodal forces.
-     * Collective. */
+    /** The vectors b of owned nodes, where tractions of a constant stress act. Collective. */
     template <int dim>
     NodalVector boundary_areas(const PartSetup<dim> &setup, const ParticleSet<dim> &particles,
                                const bool smooths, const NodalVector &position,

@@ -172,9 +172,8 @@ namespace tombolo
     }
 
   private:
-    /** With kernels at present positions rows hold those of their candidates that are within two
-     * smoothing lengths now: sweeps over rows are shorter. Not with bonds, which number neighbours
-     * by their index among the candidates. */
+    /** With kernels at present positions rows hold the candidates within two smoothing lengths, for
+     * short sweeps. Not with bonds, which number neighbours by their index among the candidates. */
     Stencils &searched() override
     {
       return is_compact ? candidates : this->shape;

@@ -69,8 +69,7 @@ namespace tombolo
       return result;
     }
 
-    /** Of the edges of such a cell, those of its faces too. None in the plane, where edges are
-     * faces. */
+    /** Of the edges of such a cell; none in the plane, where edges are faces. */
     template <int dim>
     std::vector<EdgeNode<dim>> edge_nodes_of([[maybe_unused]] const typename Nodes<dim>::Cell &cell)
     {
@@ -171,8 +170,7 @@ namespace tombolo
           }
     }
 
-    /** The face with further nodes whose middle is a vertex of this inner facet; null if there is
-     * none. */
+    /** The face with further nodes whose middle is a vertex of this inner facet; or null. */
     const FaceNodes<3> *face_at(const SubCells<3>::Facet &facet,
                                 const std::vector<FaceNodes<3>> &faces)
     {
@@ -261,8 +259,7 @@ namespace tombolo
       return volumes;
     }
 
-    /** The volumes of the corners and the further nodes of a cell that has such nodes on its
-     * faces. */
+    /** The volumes of corners and further nodes of a cell with nodes on its faces. */
     template <int dim>
     std::map<types::global_dof_index, double> volumes_of_nodes(const SmoothedCell<dim> &cell)
     {

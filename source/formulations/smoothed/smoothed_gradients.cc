@@ -48,8 +48,7 @@ namespace tombolo
         nodes_of_shared.reserve(8 * shared_values.size()); // as many as a facet has in a lattice
       }
 
-      /** Appends the rows of all points of cell number @p c to @p rows. Returns an error message,
-       * or nothing. */
+      /** Appends the rows of cell number @p c. Returns an error message, or nothing. */
       std::string add_cell(const std::size_t c, const SmoothedIntegrationRule rule,
                            std::vector<SmoothedRow<dim>> &rows)
       {

@@ -20,8 +20,7 @@ namespace tombolo
     return (slot / n_lanes * n_points + q) * n_lanes + slot % n_lanes;
   }
 
-  /** Values of all Lagrange shape functions of a degree on Gauss-Lobatto points, at a point of the
-   * reference cell [-1, 1]^dim; lexicographic, x fastest. */
+  /** Lagrange functions of a degree on Gauss-Lobatto points, at a point of [-1, 1]^dim, x first. */
   template <int dim>
   std::vector<double> lagrange_values(unsigned int degree, const dealii::Point<dim> &point);
 
@@ -45,9 +44,8 @@ namespace tombolo
   class CellBatches
   {
   public:
-    /** Sets the cells of the part. The masses are those of @p density (the part's initial one).
-     * Only with @p can_change it stores what remove() and group() need, with batches for @p
-     * most_groups. */
+    /** Sets the cells of the part, with masses of its initial density. Only with @p can_change it
+     * stores what remove() and group() need, for @p most_groups. */
     void reinit(const PartSetup<dim> &setup, unsigned int degree, MassLumping lumping,
                 bool can_change = false, unsigned int most_groups = 2);
 
@@ -60,8 +58,7 @@ namespace tombolo
       unsigned int number = 1, first_batch = 0, end_batch = 0;
     };
 
-    /** Puts present cells with the same number among @p group_of_cells into batches of their own,
-     * until cells are removed. */
+    /** Puts present cells of one number into batches of their own, until cells are removed. */
     void group(const std::vector<unsigned int> &group_of_cells);
 
     /** One of all batches, until cells are grouped. */
@@ -159,14 +156,12 @@ namespace tombolo
     void set_partition(const NodePartition &partition);
     void add_mass(NodalVector &mass) const;
 
-    /** Adds (f - 1) m of each present cell and node, with a factor f for each cell, removed ones
-     * included. */
+    /** Adds (f - 1) m of each present cell and node; @p factors f of all cells. */
     void add_extra_mass(const std::vector<double> &factors, NodalVector &mass) const;
 
   private:
     void find_local_nodes();
-    /** Fills batches with the cells of lists in turn, each from a new batch on; cells that are in
-     * none get slots behind them. */
+    /** Fills batches with lists of cells, each from a new one on; others get slots behind them. */
     void arrange(const std::vector<std::vector<unsigned int>> &lists);
     void add_mass_of_cell(unsigned int cell);
 

@@ -94,8 +94,7 @@ namespace tombolo
       plastic_flow.set(part_points.points());
     }
 
-    /** Sets volumes and variables of the points as they are at the start. Only with points, and
-     * before the initial positions of nodes are released. */
+    /** Sets volumes and variables at the start, before initial positions are released. */
     void set_initial_state()
     {
       failure_message.clear();
@@ -228,8 +227,7 @@ namespace tombolo
       return failure_message;
     }
 
-    /** The power of the internal forces of t_{n-1} on @p velocity, that of a cell which has moved
-     * with it to @p position. */
+    /** The power of the forces of t_{n-1} on @p velocity, by which a cell came to @p position. */
     double internal_power(const unsigned int slot, const NodalVector &position,
                           const NodalVector &velocity, const double time_increment) const
     {

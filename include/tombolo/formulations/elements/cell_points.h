@@ -50,8 +50,7 @@ namespace tombolo
       shape_values.clear();
     }
 
-    /** Creates the points of the cells in @p n_batches, by the shape functions of node k at point
-     * q, [q][k], and the initial positions of the nodes. */
+    /** Creates points of cells in @p n_batches by shape functions [q][k], initial positions. */
     void create_points(const std::vector<std::vector<double>> &values, const unsigned int n_batches)
     {
       shape_values = values;
@@ -71,9 +70,8 @@ namespace tombolo
         initial_points[i] = initial_points[i - per_batch]; // as unused lanes
     }
 
-    /** Removes the cells that @p is_removed marks, by their number. @p points, where they exist, go
-     * with their cells: those of unused lanes repeat the last cell, and these and those of removed
-     * cells have no volume. */
+    /** Removes the marked cells. @p points, where they exist, go with their cells: those of unused
+     * lanes repeat the last cell, and these and those of removed cells have no volume. */
     void remove(const std::vector<bool> &is_removed, MaterialPoints &points)
     {
       rearrange(points, [&] { batches.remove(is_removed); });
@@ -156,8 +154,7 @@ namespace tombolo
       interpolate_at_points(batches.nodes(batch), shape_values, vector, at_points);
     }
 
-    /** Adds the plastic heat that @p points hold to the nodes, by the shape functions. Unless it is
-     * null, @p cell_heat becomes the heat from each cell. */
+    /** Adds plastic heat of @p points to the nodes; @p cell_heat, unless null, is that by cell. */
     void add_plastic_heat(PartPoints &points, NodalVector &heat,
                           std::vector<double> *const cell_heat = nullptr) const
     {

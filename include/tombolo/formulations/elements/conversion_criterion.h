@@ -32,8 +32,7 @@ namespace tombolo
 
     MeanLimits largest_means; ///< of strain and damage
 
-    /** Limits; empty: none. Cells with a node nearer than the gap to the surface of the contact
-     * become particles [L]. */
+    /** Limits; empty: none. Cells with a node nearer than the gap to the contact convert [L]. */
     std::optional<double> smallest_jacobian, smallest_time_step, smallest_gap;
     std::string contact;       ///< the name of the contact; with a gap only
     unsigned int layers = 0;   ///< of cells around one that fulfils the criterion that go with it

@@ -35,10 +35,9 @@ namespace tombolo
     /** All that cells add to. */
     std::vector<NodalVector *> sums();
 
-    /** Makes the state of the points of particles at these local @p nodes, of which there are more
-     * than before: point i was number old_index[i] of @p old_points, of the initial volume
-     * old_volume[old_index[i]], or is new where that is not below their number; it gains the state
-     * of cells, by volume. */
+    /** Makes the state of the points of particles at these local @p nodes: point i was number
+     * old_index[i] of @p old_points, of the initial volume old_volume[old_index[i]], or is new
+     * where that is not below their number; it gains the state of cells, by volume. */
     void merge(PartPoints &part, const std::vector<unsigned int> &nodes,
                const std::vector<double> &initial_volume, const MaterialPoints &old_points,
                const std::vector<double> &old_volume,
@@ -72,8 +71,7 @@ namespace tombolo
     /** Adds the state of @p cells to @p state, ghosts included. */
     virtual void add_state(const std::vector<unsigned int> &cells, StateTransfer &state) const = 0;
 
-    /** Ends @p cells as cells of this part. Masses and energies are different afterwards.
-     * Collective. */
+    /** Ends @p cells as cells of this part; masses and energies change. Collective. */
     virtual void deactivate_cells(const std::vector<unsigned int> &cells) = 0;
 
     /** Whether masses of cells change in the run, as by refills, and are not those of the mesh. */
@@ -82,8 +80,7 @@ namespace tombolo
       return false;
     }
 
-    /** Sets the @p cells that are particles in a checkpoint, before the state of the part is read.
-     * Collective. */
+    /** Sets the @p cells that a checkpoint has as particles, before it is read. Collective. */
     virtual void set_converted_cells(const std::vector<unsigned int> & /*cells*/) {}
 
     /** Keeps among the energies of this part what was dissipated in cells that it lost, and that

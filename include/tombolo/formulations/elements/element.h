@@ -45,13 +45,11 @@ namespace tombolo
   struct ElementDefaults
   {
     static constexpr MassLumping lumping = MassLumping::row_sum;
-    /** Whether share() gives all points of a cell the same growth of their volume where strains are
-     * logarithmic. */
+    /** Whether share() gives all points of a cell one growth of volume (logarithmic strains). */
     static constexpr bool shares_volume = false;
     /** The default of `Strain measure`. */
     static constexpr StrainMeasure measure = StrainMeasure::logarithmic;
-    /** The cost of a point in a step, without its stress, in the units of StepCosts; see
-     * Formulation::step_cost(). */
+    /** Of a point in a step, without stress, in units of StepCosts (Formulation::step_cost()). */
     static constexpr double cost_per_point = StepCosts::per_point;
 
     static void declare_parameters(dealii::ParameterHandler & /*handler*/) {}
@@ -100,9 +98,8 @@ namespace tombolo
     /** Whether limit() is to be called. */
     static constexpr bool limits_forces = false;
 
-    /** After the stresses: limits the hourglass forces that advance() has kept in @p work and
-     * @p variables. @p flow_stress is the von Mises stress of points that flow plastically in this
-     * step, zero elsewhere. */
+    /** After the stresses: limits the hourglass forces in @p work and @p variables. @p flow_stress
+     * is the von Mises stress of points that flow plastically in this step, zero elsewhere. */
     template <typename Work, unsigned int n_points>
     void limit(Work & /*work*/, const Lanes (&/*flow_stress*/)[n_points],
                ElementVariables /*variables*/) const
@@ -115,8 +112,7 @@ namespace tombolo
                    ConstElementVariables /*variables*/) const
     {}
 
-    /** Adds the stored energy of n_lanes cells to @p stored and the energy dissipated up to now to
-     * @p dissipated. */
+    /** Adds the stored and the dissipated energy of n_lanes cells. */
     void add_energies(ConstElementVariables /*variables*/, Lanes & /*stored*/,
                       Lanes & /*dissipated*/) const
     {}

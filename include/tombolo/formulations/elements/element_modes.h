@@ -47,8 +47,7 @@ namespace tombolo
       }
   }
 
-  /** Whether a mode is the product of two or more coordinates: those that do not change a mean
-   * gradient. */
+  /** Whether a mode is a product of several coordinates, which does not change a mean gradient. */
   constexpr bool is_hourglass_mode(const unsigned int mode)
   {
     return (mode & (mode - 1)) != 0;

@@ -135,8 +135,7 @@ namespace tombolo
 
   private:
     static constexpr double gauss_point = 0.57735026918962576451; // 1/√3
-    /** A derivative along ξ_a does not depend on ξ_a: it has one value on each of the lines of
-     * points along a. */
+    /** ∂/∂ξ_a does not depend on ξ_a: it has one value on each line of points along a. */
     static constexpr unsigned int n_lines = n_points / 2;
 
     static constexpr unsigned int line(const unsigned int point, const unsigned int a)

@@ -19,8 +19,7 @@ namespace tombolo
 {
   class StateArchive;
 
-  /** Which of the cells of a part on this rank are none of it any more, removed or become
-   * particles, and what was dissipated in them. */
+  /** Cells of a part on this rank that were removed or became particles, and their dissipation. */
   class LostCells
   {
   public:
@@ -64,8 +63,7 @@ namespace tombolo
         lost[cell] = converted[cell] = true;
     }
 
-    /** Keeps the dissipation of the cells with these energies, but no account that particles have
-     * alone. */
+    /** Keeps what was dissipated in such cells, but no account that particles have alone. */
     void keep_dissipated(const EnergyAccounts &cell_energies)
     {
       for (const EnergyAccounts::Account &account : cell_energies.accounts())
@@ -80,8 +78,7 @@ namespace tombolo
       return dissipated_in_lost;
     }
 
-    /** Writes to a checkpoint, or reads from it. Returns whether cells were read that are lost.
-     * Collective. */
+    /** Writes or reads a checkpoint. Returns whether lost cells were read. Collective. */
     bool serialize(const unsigned int n_cells, const bool has_heat, StateArchive &archive)
     {
       constexpr double present = 0., eroded = 1., became_particles = 2.;
@@ -125,8 +122,7 @@ namespace tombolo
     EnergyAccounts dissipated_in_lost;
   };
 
-  /** Whether the cell of this @p degree at a slot has a corner that is too sharp at these
-   * positions. */
+  /** Whether a corner of the cell of this @p degree at a slot is too sharp. */
   template <int dim>
   bool is_too_sharp(const ConversionCriterion &criterion, const CellBatches<dim> &cells,
                     const unsigned int degree, const NodalVector &position, const unsigned int slot)
@@ -192,8 +188,7 @@ namespace tombolo
     }
   }
 
-  /** The common base of parts whose cells can become particles: when they do, and which are lost.
-   */
+  /** The common base of parts whose cells can become particles. */
   template <int dim, typename Points>
   class LosingCells : public CellPart<dim, Points>, public ConvertingCells<dim>
   {

@@ -12,8 +12,7 @@
 
 namespace tombolo
 {
-  /** Limits of the effective plastic strain and of the damage of cells, as the means of their
-   * points. */
+  /** Limits of mean effective plastic strain and mean damage of the points of cells. */
   class MeanLimits
   {
   public:
@@ -39,8 +38,7 @@ namespace tombolo
       return limits.empty();
     }
 
-    /** Finds the fields in @p points. Throws the InputError of @p section where the material has
-     * none. */
+    /** Finds the fields. Throws the InputError of @p section where the material has none. */
     void initialize(const Section &section, const MaterialPoints &points)
     {
       for (Limit &limit : limits)

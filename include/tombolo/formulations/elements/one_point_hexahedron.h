@@ -28,8 +28,7 @@ namespace tombolo
   class OnePointHexahedron : public ElementDefaults
   {
   public:
-    /** Hourglass forces follow the rate of the motion, whatever the strain does: the measure that
-     * costs half as much again would gain nothing. */
+    /** Hourglass forces follow the rate whatever the strain: the dearer measure gains nothing. */
     static constexpr StrainMeasure measure = StrainMeasure::rate;
     static constexpr unsigned int degree = 1;
     static constexpr unsigned int n_nodes = 1 << dim;

@@ -24,17 +24,15 @@ namespace tombolo
     return result;
   }
 
-  /** A part whose nodes move as one rigid body. It has no stress and does not limit the step, and
-   * its material needs none. It is moved from outside. */
+  /** A part that moves as one rigid body, from outside. It has no stress and limits no step. */
   template <int dim>
   class RigidCells
   {
   public:
     virtual ~RigidCells() = default;
 
-    /** Of all cells of the part, over all ranks, by integration that is exact in cells with
-     * straight edges: nodal masses have the same mass and centre, but larger second moments. After
-     * Formulation::initialize(). */
+    /** Of all cells, over all ranks, by integration that is exact in cells with straight edges:
+     * nodal masses have larger second moments. After Formulation::initialize(). */
     virtual const MassMoments &mass_moments() const = 0;
   };
 } // namespace tombolo

@@ -103,8 +103,7 @@ namespace tombolo
                      });
     }
 
-    /** Entries of row @p i (from its first one) whose bonds break at @p position, with current
-     * ghosts on the partition of exchange(). */
+    /** Entries of row @p i whose bonds break at @p position, with ghosts as of exchange(). */
     const std::vector<unsigned int> &
     find_breaking(const unsigned int i, const NodalVector &position, const Stencils &shape)
     {

@@ -31,14 +31,12 @@ namespace tombolo
       return false;
     }
 
-    /** The measure of each particle. @p deformation is F since the start, full in two dimensions
-     * too; empty unless needs_deformation(). */
+    /** By particle. @p deformation: F since the start, 3×3 always; empty unless it is needed. */
     virtual void measure(const MaterialPoints &points,
                          const std::vector<dealii::Tensor<2, 3>> &deformation,
                          std::vector<double> &value) const = 0;
 
-    /** Nothing breaks and no pair is checked where the measure of no particle reaches this; minus
-     * infinity where there is no such bound. */
+    /** No pair is checked where no measure reaches this; minus infinity: there is no such bound. */
     virtual double threshold() const = 0;
 
     /** Which of @p n pairs break, 1 or 0, by the mean of their measures and their stretches. */

@@ -56,8 +56,7 @@ namespace tombolo
     static constexpr const char *dissipation_name = "failure dissipation";
 
     /** A particle with broken bonds loses all where its present gradients, √Σ_J |F⁻ᵀ∇φ_J|², are
-     * this many times those of the start. At the corner of a lattice they are twice those inside.
-     */
+     * this many times the initial ones. At the corner of a lattice they are twice those inside. */
     static constexpr double largest_gradient_growth = 3.;
 
     /** Reads the criterion in the section of the formulation; there may be none. The other
@@ -91,8 +90,7 @@ namespace tombolo
                OnDivision::held}};
     }
 
-    /** Sets the bonds to the neighbours with φ ≠ 0 in the rows of the start. Throws InputError
-     * where the points cannot be judged. */
+    /** Sets the bonds to the initial neighbours with φ ≠ 0. Throws InputError for unfit points. */
     void initialize()
     {
       if (!is_on())
@@ -135,8 +133,7 @@ namespace tombolo
                 { return is_damaged(i, neighbour); },
                 previous);
     }
-    /** After it: removes broken bonds, and new ones of particles that have lost some.
-     * Collective. */
+    /** After it: removes broken bonds, and new ones of particles that lost some. Collective. */
     void finish_search()
     {
       partners.forget();
@@ -166,8 +163,7 @@ namespace tombolo
     }
 
     /** Breaks all bonds of particles that are not sound any more at @p position (current ghosts):
-     * of those that have lost some, or of all; until none is left. Returns as update().
-     * Collective. */
+     * of those that have lost some, or of all; until none is left. As update(). Collective. */
     bool isolate_distorted(const NodalVector &position)
     {
       const auto &partition = position.partition();
@@ -210,8 +206,7 @@ namespace tombolo
       }
       return has_changed;
     }
-    /** The same at the positions of the reference, after a search whose numbers the rows still
-     * have; they get those of a partition. Collective. */
+    /** The same in the reference, after a search; rows get numbers of a partition. Collective. */
     void isolate_distorted_in_reference()
     {
       if (!can_isolate())
@@ -245,10 +240,9 @@ namespace tombolo
       }
     }
 
-    /** There are more particles; the one with index old_index[i] is now number i, others are new.
-     * Where gains[i] it is a node of new cells. Follows prepare_search(); with the search after it
-     * a new particle gets a bond also with a damaged one if both got cells, since these have joined
-     * them. */
+    /** There are more particles; number old_index[i] is now number i, others are new. Where
+     * gains[i] it is a node of new cells. Follows prepare_search(); with the search after it a new
+     * particle gets a bond also with a damaged one if both got cells, which have joined them. */
     void add_particles(const std::vector<unsigned int> &old_index, const std::vector<bool> &gains)
     {
       if (!is_on())
@@ -269,9 +263,8 @@ namespace tombolo
       partners.forget();
     }
 
-    /** Between add_particles() and finish_search(): removes from rows in another configuration
-     * those pairs that finish_search() will refuse. @p partition has all nodes and images of @p
-     * neighbourhoods. Collective. */
+    /** Between add_particles() and finish_search(): removes pairs that the latter will refuse from
+     * rows in another configuration. @p partition has all their nodes and images. Collective. */
     void remove_unbonded(const std::shared_ptr<const NodePartition> &partition,
                          Neighbourhoods<dim> &neighbourhoods, Stencils &shape)
     {
@@ -310,8 +303,7 @@ namespace tombolo
           result.push_back(row);
       return result;
     }
-    /** Of the debris() of the last update those that it made, and those from which it removed
-     * further neighbours. */
+    /** Of debris() those that the last update made or from which it removed neighbours. */
     std::vector<LeavingParticle> leaving_particles()
     {
       return former_rows.leaving(rows.stencils(), debris());
@@ -365,8 +357,7 @@ namespace tombolo
                 dealii::Utilities::MPI::max(is_broken ? 1 : 0, particles.communicator()) == 1;
           });
     }
-    /** Removes broken bonds from rows that were searched anew, on @p partition. Returns whether any
-     * rank has some. Collective. */
+    /** Removes broken bonds from rows searched anew. Whether any rank has some. Collective. */
     bool complete_reading(const std::shared_ptr<const NodePartition> &partition)
     {
       reference_gradient.clear();
@@ -382,8 +373,7 @@ namespace tombolo
     {
       return is_broken_anywhere || (is_on() && check->isolates_all());
     }
-    /** Breaks the bonds that the criterion selects. Returns whether any bond broke on any rank.
-     * Collective. */
+    /** Breaks bonds by the criterion. Returns whether any broke on any rank. Collective. */
     bool break_bonds(const NodalVector &position)
     {
       const Stencils &shape = rows.stencils();
@@ -422,8 +412,7 @@ namespace tombolo
             {neighbour < nodes.size() ? nodes[neighbour] : images[neighbour - nodes.size()].source,
              {own_ids[row], partner.planes}});
     }
-    /** Completes break_entry(): removes broken bonds from the rows, and computes these. Returns
-     * whether any bond broke on any rank. Collective. */
+    /** Completes break_entry(): renews the rows. Whether any bond broke on any rank. Collective. */
     bool complete_breaking(const std::shared_ptr<const NodePartition> &partition,
                            const std::vector<PartnerMessage> &messages)
     {
@@ -455,8 +444,7 @@ namespace tombolo
       release_debris();
       return true;
     }
-    /** Removes broken bonds from the rows. @p partition has all their nodes and images.
-     * Collective. */
+    /** Removes broken bonds from the rows, which are of @p partition. Collective. */
     void remove_broken(const std::shared_ptr<const NodePartition> &partition)
     {
       if (!partners.are_current())
@@ -484,8 +472,7 @@ namespace tombolo
     {
       return !broken[row].empty() || partners[neighbour].is_damaged;
     }
-    /** Whether a pair of a search, of which neither bond nor break is known, is no bond: one of its
-     * ends is damaged. */
+    /** Whether a pair whose bond is not known is none, since one of its ends is damaged. */
     bool is_refused(const unsigned int row, const unsigned int neighbour) const
     {
       if (neighbour == row || !is_damaged(row, neighbour) ||

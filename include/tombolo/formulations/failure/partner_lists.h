@@ -102,9 +102,8 @@ namespace tombolo
       return true;
     }
 
-    /** Adds each of @p messages to the list of its particle, on the rank of this particle. @p
-     * particles are the global numbers of this rank's particles, ascending; all ends are nodes of
-     * @p partition. Collective. */
+    /** Adds @p messages to the lists of their particles, on the ranks of these. @p particles are
+     * those of this rank by global numbers, ascending; all ends are in @p partition. Collective. */
     void add_at_owners(const NodePartition &partition,
                        const std::vector<dealii::types::global_dof_index> &particles,
                        const std::vector<PartnerMessage> &messages)

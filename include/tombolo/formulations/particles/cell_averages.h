@@ -97,9 +97,8 @@ namespace tombolo
       control = ZeroEnergyControl(e);
     }
 
-    /** Decides whether the particles of this part have these functions. Throws InputError where
-     * they are requested but not possible. Removes equal parts without these functions from @p
-     * setup. Collective. */
+    /** Decides whether the particles have these functions, and removes equal parts without them
+     * from @p setup. Throws InputError where they are requested but not possible. Collective. */
     void choose(PartSetup<dim> &setup)
     {
       reason = requested == "moving least squares" ? std::string() : obstacle(setup);
@@ -260,8 +259,7 @@ namespace tombolo
       node_positions.clear();
     }
 
-    /** Fills the rows of @p stencils, once after establish(); with @p share_rows, those that are
-     * the same are kept once. */
+    /** Fills the rows of @p stencils, once after establish(); @p share_rows: same ones once. */
     void fill(const Neighbourhoods<dim> &found, const bool share_rows, Stencils &stencils)
     {
       stencils.is_lumped = true;
@@ -360,8 +358,7 @@ namespace tombolo
         gradient = std::copy_n(entry.gradient, Stencils::n_gradient, gradient);
       }
     }
-    /** Fills the rows of @p stencils, of which those that are the same are kept once; false if most
-     * are not. */
+    /** Fills the rows of @p stencils, same ones kept once; false if most are not the same. */
     bool fill_shared(const Neighbourhoods<dim> &found, Stencils &stencils) const
     {
       RowSharing kept;

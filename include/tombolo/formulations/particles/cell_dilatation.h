@@ -203,8 +203,7 @@ namespace tombolo
       return load_lanes(&ratio_of_particle[first]);
     }
 
-    /** Sets the dilatation of @p motion of n_lanes particles from @p first on to that of J_I, with
-     * the ratio @p old_ratio before the step. */
+    /** Sets the dilatation of n_lanes @p motion to that of J_I, of @p old_ratio before the step. */
     void share(const unsigned int first, const Lanes &old_ratio, const bool is_logarithmic,
                MotionIncrement<Lanes> &motion) const
     {
@@ -397,8 +396,7 @@ namespace tombolo
           pressure[share_cell[s]] += share_volume[s] * value;
       }
     }
-    /** Subtracts P_c cof(F_c) g_cJ from @p force, where P_c includes @p cell_pressure(c), and
-     * resets the sums of particles. */
+    /** Subtracts P_c cof(F_c) g_cJ, with @p cell_pressure(c) in P_c, and resets the sums. */
     template <typename CellPressure>
     void subtract_pressures(const CellPressure &cell_pressure, NodalVector &force)
     {

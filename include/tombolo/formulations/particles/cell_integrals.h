@@ -31,8 +31,7 @@ namespace tombolo
     }
   } // namespace internal
 
-  /** The contribution of a cell to the averages around its nodes I, with the functions N_J of its
-   * nodes J (see CellAverages). */
+  /** What a cell adds to averages around its nodes I, with functions N_J (see CellAverages). */
   template <int dim>
   struct CellIntegrals
   {

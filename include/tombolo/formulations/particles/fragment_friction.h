@@ -31,14 +31,12 @@ namespace tombolo
   {
     const NodalVector *temperature = nullptr; ///< θ^h at the present time, slot 0 of owned nodes
     const NodalEnthalpy *enthalpy = nullptr;
-    /** Scalar, of owned nodes: heat that they have received and that no thermal step has applied
-     * yet [M L^2/T^2]. */
+    /** Of owned nodes: heat received that no thermal step has applied yet, scalar [M L^2/T^2]. */
     const NodalVector *pending = nullptr;
     NodalSource *given = nullptr; ///< gets that of the step
   };
 
-  /** The particles of this rank that can touch others, of one part or of several: each node once,
-   * with all that it has of these parts. */
+  /** The particles of this rank that can touch others: each node once, with all its parts. */
   struct TouchingRows
   {
     /** A row of the stencils of a part. */
@@ -51,8 +49,7 @@ namespace tombolo
     std::vector<unsigned int> nodes; ///< local numbers, ascending
     std::vector<std::uint64_t> ids;  ///< persistent identifiers
     std::vector<double> shares;      ///< in the piece of the body, of the particle in the whole one
-    /** Those of row i are sites[start[i]] to sites[start[i+1]], by ascending part. The first one
-     * stands for the particle. */
+    /** Of row i: sites[start[i]] to sites[start[i+1]], by part. The first is the particle's. */
     std::vector<Site> sites;
     std::vector<std::size_t> start;
 
@@ -277,8 +274,7 @@ namespace tombolo
       return force;
     }
 
-    /** Ends the step: adds the moments of the forces to @p loads, at ghosts as well, and conducts.
-     * Collective. */
+    /** Ends the step: adds moments of forces to @p loads (also at ghosts), conducts. Collective. */
     void end_step(const FragmentHeat &heat, NodalVector &loads)
     {
       for (const Part &part : parts)

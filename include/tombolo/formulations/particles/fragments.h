@@ -14,8 +14,7 @@ namespace tombolo
   /** The fragment of a particle. */
   struct FragmentOfParticle
   {
-    /** The smallest identifier of the particles in the fragment or in its images in planes of
-     * symmetry. */
+    /** The smallest identifier of the particles in the fragment or in its images. */
     std::uint64_t label = 0;
     /** Bit c stands for the image of this particle in the mirrors whose bits c has, bit 0 for the
      * particle itself: whether a chain of bonds connects it to the particle of the label. */
@@ -30,8 +29,7 @@ namespace tombolo
       return result;
     }
 
-    /** Whether the image of @p other in @p mirrors (0: the particle @p other itself) is of the same
-     * fragment as this particle. */
+    /** Whether the image of @p other in @p mirrors (0: itself) is of the same fragment. */
     bool has(const FragmentOfParticle &other, const unsigned int mirrors) const
     {
       if (label != other.label)
@@ -55,8 +53,7 @@ namespace tombolo
                                                  const NodePartition &partition,
                                                  const Images &images = *Images::none());
 
-  /** How many fragments have their label from a particle of this rank, of which @p ids are the
-   * identifiers. */
+  /** How many fragments have their label from a particle of this rank, one of @p ids. */
   unsigned long n_labels_here(const std::vector<FragmentOfParticle> &fragments,
                               const std::vector<std::uint64_t> &ids);
 

@@ -91,9 +91,8 @@ namespace tombolo
       half_widths = particles.initial_supports();
     }
 
-    /** Counts a step. Whether the reference is to be renewed at @p position (current ghosts), the
-     * same result on all ranks. Updates the inverse deformation of @p shape where it needs it.
-     * Collective. */
+    /** Counts a step. Whether the reference is to be renewed at @p position (current ghosts), alike
+     * on all ranks. Updates the inverse deformation of @p shape if needed. Collective. */
     bool is_renewal_due(const NodalVector &position, const ParticleSet<dim> &particles,
                         Stencils &shape)
     {
@@ -163,8 +162,7 @@ namespace tombolo
       for (unsigned int i = 0; i < particles.size(); ++i)
         stretch_support(i, particles);
     }
-    /** Stores the positions of the particles at @p position as those of the reference, and that no
-     * step was made since. */
+    /** Stores the positions of the particles as the reference, with no step since. */
     void set_positions(const NodalVector &position, const Stencils &shape)
     {
       steps_since_renewal = 0;
@@ -230,9 +228,8 @@ namespace tombolo
     }
 
     /** Calls @p use with the number of each particle and the half widths that limits of the step
-     * count with: those of its support as the deformation up to @p position would stretch it,
-     * renewed or not, or half of them where supports are fixed, which are smoothing lengths then.
-     */
+     * count with: those of its support as stretched by the deformation up to @p position, renewed
+     * or not, or half of them where supports are fixed, which are smoothing lengths then. */
     template <typename Use>
     void for_present_supports(const ParticleSet<dim> &particles, const Stencils &shape,
                               const NodalVector &position, const Use &use) const
@@ -253,8 +250,7 @@ namespace tombolo
     {
       records.value("steps since rebuild", steps_since_renewal);
     }
-    /** Writes or reads positions, supports and deformation of a renewed reference, as rows of
-     * @p archive. */
+    /** Writes or reads a renewed reference as rows of @p archive. */
     void serialize_reference(StateArchive &archive)
     {
       constexpr std::size_t n = dim * dim;

@@ -333,8 +333,7 @@ namespace tombolo
 
   protected:
     /** Finds the particles of the cells of @p is_taken, in their initial configuration. Returns
-     * their masses, for Stencils::mass. @p volumes: their initial ones at owned nodes [L^dim];
-     * null: those of the mesh. */
+     * their masses. @p volumes: initial ones at owned nodes [L^dim]; null: those of the mesh. */
     std::vector<double> collect_particles(const PartSetup<dim> &setup, const double dilation,
                                           const CellSelection<dim> &is_taken,
                                           const NodalVector *const volumes = nullptr)

@@ -58,8 +58,7 @@ namespace tombolo
     const std::size_t *own_entry;
     std::size_t n_nodes; ///< local ones, with ghosts and images
     /** By local node, node_stride each: V⁰ as it acts on others, and the present V of particles
-     * that have a row, zero of ghosts and images. On planes of symmetry V is of the part in the
-     * body. */
+     * with a row, else zero. On planes of symmetry V is of the part in the body. */
     const double *volumes;
     const double *initial_volume; ///< V⁰ of each row, as V
     const RadialTable *slope;     ///< |dW/dr| over the distance
@@ -137,8 +136,7 @@ namespace tombolo
     Lanes offset[dim]; ///< x_j - x_i
     Lanes squared;     ///< its square; 1 for a particle with itself
     Lanes distance;    ///< |x_j - x_i|
-    /** V_i V⁰_j |dW/dr|/r: V⁰_i times the size of ∇φ_j of row i over the distance. Zero for a
-     * particle with itself. */
+    /** V_i V⁰_j |dW/dr|/r: V⁰_i |∇φ_j| of row i over r. Zero for a particle with itself. */
     Lanes row_slope;
     Lanes other_slope; ///< the same of row j
     Lanes volumes;     ///< V_i V⁰_j + V_j V⁰_i, also of a particle with itself
@@ -247,8 +245,7 @@ namespace tombolo
                     const double *velocity, double *viscous_force, double *power,
                     double *stress_force) const;
 
-    /** Sets C of @p dampers, where -C v is the viscous force of small @p velocity differences of
-     * all pairs, those that separate too. */
+    /** Sets C of @p dampers: -C v is the viscous force of small velocity changes of all pairs. */
     void linearize_viscosity(const PairRows &rows, const double *position, const double *velocity,
                              PairDampers<dim> &dampers) const;
 
@@ -331,14 +328,11 @@ namespace tombolo
       return largest_factor;
     }
 
-    /** The local numbers i, j of a pair, and the conductance K of the rows of this rank
-     * [M L^2/(T^3 K)]. */
+    /** Local numbers i, j of a pair, and its conductance by rows of this rank [M L^2/(T^3 K)]. */
     using Visitor = std::function<void(unsigned int, unsigned int, double)>;
 
-    /** Calls @p visit for every pair, with conductivities at the
-     * temperatures @p conductivity_temperature (slot 0 of node_stride a node): for matrices, not
-     * for steps.
-     */
+    /** Calls @p visit for every pair, with conductivities at the temperatures @p
+     * conductivity_temperature (slot 0): for matrices, not for steps. */
     void for_each_pair(const PairRows &rows, const TemperatureTable &conductivity,
                        const double *position, const double *conductivity_temperature,
                        const Visitor &visit) const
@@ -481,8 +475,7 @@ namespace tombolo
     mutable dealii::AlignedVector<double> nodal_buffer; // node_stride each: a buffer
   };
 
-  /** Particle formulations whose particles also act on each other in pairs, beside their rows: with
-   * radial kernels. */
+  /** Particle formulations whose particles also act on each other in pairs, beside their rows. */
   template <int dim>
   class PairInteractions
   {
@@ -492,13 +485,11 @@ namespace tombolo
     /** Forces and motion of pairs. */
     virtual const PairTerms<dim> &pair_terms() const = 0;
 
-    /** The pairs, with the present volumes. Valid until the partition, the rows or the points of
-     * the part change. */
+    /** The pairs, with present volumes; valid until partition, rows or points change. */
     virtual PairRows pair_rows() const = 0;
 
-    /** Where heat is conducted between pairs and not by the gradients of the rows, calls @p visit
-     * for the local numbers and conductances of all pairs of the rows, and returns true. Arguments
-     * as in Formulation::add_conduction(). */
+    /** Where heat is conducted between pairs, calls @p visit for the local numbers and conductances
+     * of all of them, and returns true. Arguments as in Formulation::add_conduction(). */
     virtual bool visit_conductances(const NodalVector &position,
                                     const NodalVector &conductivity_temperature,
                                     const typename PairConduction<dim>::Visitor &visit) const = 0;

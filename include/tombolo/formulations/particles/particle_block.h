@@ -16,8 +16,7 @@
 
 namespace tombolo
 {
-  /** Blocks of nodally integrated particles on their way through a step: gradients of rows, motion,
-   * forces. */
+  /** Blocks of nodally integrated particles in a step: gradients, motion, forces. */
   namespace ParticleBlock
   {
     /** Particles treated together: their ∇φ, read for the gradients, are still in the
@@ -169,8 +168,7 @@ namespace tombolo
       }
     }
 
-    /** ∂v/∂X of a block, and the columns of F⁻ᵀ: those of the shape functions where they are
-     * current, or made from F in @p deformation. */
+    /** ∂v/∂X of a block, and columns of F⁻ᵀ: current ones of @p shape, or of @p deformation. */
     template <int dim>
     const double *find_motion(const Stencils &shape, const unsigned int first,
                               const unsigned int last, const double *position,

@@ -16,8 +16,7 @@
 
 namespace tombolo
 {
-  /** The line from a node on the surface of the body through the two next nodes inside, along the
-   * edges of two cells of a part. */
+  /** A line from a node on the surface through the two next ones inside, along edges of cells. */
   struct SurfaceFibre
   {
     std::array<dealii::types::global_dof_index, 3> node; ///< from the surface inwards
@@ -53,8 +52,7 @@ namespace tombolo
   public:
     virtual const ParticleSet<dim> &particle_set() const = 0;
 
-    /** The rows of φ and ∇φ, one a particle; owned by the formulation, whose
-     * update_neighbourhoods() and set_partition() change them. */
+    /** The rows, one a particle; update_neighbourhoods() and set_partition() change them. */
     virtual const Stencils &stencils() const = 0;
     virtual Stencils &stencils() = 0;
 
@@ -89,8 +87,7 @@ namespace tombolo
       return none;
     }
 
-    /** Smallest initial distance between neighbouring particles over this rank [L]: the h of the
-     * lattice filter. */
+    /** Smallest initial distance between neighbouring particles over this rank [L]. */
     virtual double smallest_spacing() const
     {
       return particle_set().smallest_spacing();
@@ -113,8 +110,7 @@ namespace tombolo
                               { return row.value[k] != 0.; });
     }
 
-    /** F of particle @p i from its initial configuration to @p position (current ghosts), for
-     * pictures. */
+    /** F of particle @p i from the start to @p position (current ghosts), for pictures. */
     virtual dealii::Tensor<2, dim> deformation(unsigned int i,
                                                const NodalVector &position) const = 0;
 
@@ -187,8 +183,7 @@ namespace tombolo
       return nullptr;
     }
 
-    /** Sets the function that update_neighbourhoods() calls before it changes shape functions, on
-     * all ranks. */
+    /** Sets what update_neighbourhoods() calls before shape functions change, on all ranks. */
     virtual void set_before_change(const std::function<void()> & /*before_change*/) {}
 
     /** The shape functions, for the audit; empty: the name of the formulation is enough. */
@@ -197,17 +192,14 @@ namespace tombolo
       return {};
     }
 
-    /** Lines at the surface that can oscillate by themselves, see SurfaceDamping: those of the
-     * cells of this rank. */
+    /** Lines at the surface that can oscillate by themselves (SurfaceDamping), of this rank. */
     virtual const std::vector<SurfaceFibre> &surface_fibres() const
     {
       static const std::vector<SurfaceFibre> none;
       return none;
     }
 
-    /** Of the rows at the start, with the initial positions @p position (current ghosts).
-     * Collective.
-     */
+    /** Of the rows at the start, at initial positions (current ghosts). Collective. */
     virtual PatchTest patch_test(const NodalVector & /*position*/) const
     {
       return {};

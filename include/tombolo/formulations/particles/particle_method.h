@@ -333,8 +333,7 @@ namespace tombolo
       if (this->control != nullptr)
         this->control->initialize(this->points());
     }
-    /** Of the part, with linear cells: those of the cells that this rank owns. Fibres of parts that
-     * are one cell thin are left out. */
+    /** Of linear cells that this rank owns; none of parts that are one cell thin. */
     std::vector<SurfaceFibre> find_surface_fibres() const
     {
       std::vector<SurfaceFibre> fibres;
@@ -386,8 +385,7 @@ namespace tombolo
                                    set.initial_positions(), set.initial_supports(),
                                    setup.communicator);
     }
-    /** Makes @p position the reference of more particles: new ones get their deformation from rows
-     * in the initial configuration. Collective. */
+    /** Makes @p position the reference; new particles have F by initial rows. Collective. */
     void renew_reference(const NodalVector &position, const std::vector<unsigned int> &old_index)
     {
       // New particles have come from the initial configuration with the rows that they have there.
@@ -422,8 +420,7 @@ namespace tombolo
         }
       kernel.stretch_supports(set);
     }
-    /** Sets the particles of self-contact, where there is some. Returns the number of its
-     * fragments. Collective. */
+    /** Sets the particles of self-contact. Returns how many fragments it has. Collective. */
     unsigned long update_self_contact()
     {
       if (!self_contact)

@@ -49,9 +49,8 @@ namespace tombolo
 
     /** @name The functions of the rows */
     ///@{
-    /** Fills value and gradient of @p stencils, the rows of @p found, for nodes at @p position with
-     * half widths @p support (both with the numbers of the rows, node_stride a node), and lists
-     * rows that have no basis. */
+    /** Fills value and gradient of @p stencils, the rows of @p found, at @p position with half
+     * widths @p support (numbers of the rows, node_stride each); lists rows without a basis. */
     virtual void fill(const Neighbourhoods<dim> &found, const double *position,
                       const double *support, Stencils &stencils) = 0;
     /** The half width of a support over the spacing of particles. */
@@ -59,25 +58,22 @@ namespace tombolo
     /** The entry that sets the reach of supports, for messages. */
     virtual const char *support_entry() const = 0;
 
-    /** Decides which functions the particles of the part have, from now on, and removes the equal
-     * parts from @p setup whose cells do not count for them. Returns whether they are averages over
-     * cells. Throws InputError. */
+    /** Decides the functions of the particles, and removes equal parts from @p setup whose cells do
+     * not count for them. Returns whether they are averages over cells. Throws InputError. */
     virtual bool choose_functions(PartSetup<dim> &setup, ParticleSet<dim> & /*particles*/)
     {
       setup.end_at_own_cells();
       return false;
     }
-    /** Sets other supports of @p particles, which come from the cells of @p is_taken, than those of
-     * their cells. Returns whether it did; then supports do not change as particles deform.
-     * Collective. */
+    /** Sets other supports of @p particles, from cells of @p is_taken, than those of their cells.
+     * Returns whether it did: then supports do not change as particles deform. Collective. */
     virtual bool choose_supports(const PartSetup<dim> & /*setup*/,
                                  const CellSelection<dim> & /*is_taken*/,
                                  ParticleSet<dim> & /*particles*/)
     {
       return false;
     }
-    /** Whether particles are neighbours of those of other bodies: the entry `Kernels across gaps`.
-     */
+    /** The entry `Kernels across gaps`. */
     bool reaches_other_bodies() const
     {
       return crosses_gaps;
@@ -97,8 +93,7 @@ namespace tombolo
     {
       return {};
     }
-    /** Whether F = Σ x_J ⊗ ∇φ_J counts as the identity where rows have just been computed, which
-     * saves finding it. */
+    /** Whether F = Σ x_J ⊗ ∇φ_J counts as the identity where rows are new, which saves time. */
     virtual bool are_undeformed_when_new() const
     {
       return false;
@@ -136,8 +131,7 @@ namespace tombolo
       bodies = (mesh_bodies.n_bodies() > 1 || has_planes) && !crosses_gaps ? &mesh_bodies : nullptr;
       planes_of_bodies = planes;
     }
-    /** Removes neighbours of other bodies from the rows of @p found, whose nodes @p partition has.
-     * Collective. */
+    /** Removes neighbours of other bodies from @p found, in @p partition. Collective. */
     void separate_bodies(const std::shared_ptr<const NodePartition> &partition,
                          Neighbourhoods<dim> &found, Stencils &stencils) const
     {
@@ -171,8 +165,7 @@ namespace tombolo
     }
 
     /** Finds the neighbours of @p particles at @p position with half widths @p support, node_stride
-     * each, here and on other ranks. Values and gradients follow with compute_at_search().
-     * Collective. */
+     * each, on all ranks. Values and gradients follow with compute_at_search(). Collective. */
     void search(const ParticleSet<dim> &particles, const std::vector<double> &position,
                 const std::vector<double> &support)
     {
@@ -185,16 +178,14 @@ namespace tombolo
       restrict_neighbours();
     }
 
-    /** φ and ∇φ at the positions and with the supports of the last search. A particle without a
-     * basis is refused before finish_start(), and becomes a rank-deficient row later.
-     * Collective. */
+    /** φ and ∇φ at the last search. A particle without a basis is refused before finish_start(),
+     * and becomes a rank-deficient row later. Collective. */
     void compute_at_search()
     {
       compute(neighbours.position_at_search().data(), neighbours.support_at_search().data());
     }
 
-    /** The same at @p position (current ghosts, the numbers of the rows), with these supports of
-     * the particles, node_stride each. Collective. */
+    /** The same at @p position (current ghosts) with these supports of particles. Collective. */
     void compute_at(const NodalVector &position, const std::vector<double> &support)
     {
       support_of_node.fill(shape.particle_node, [&](const std::size_t i, double *const node_support)
@@ -211,8 +202,7 @@ namespace tombolo
       compute_at(buffer, kernel.supports());
     }
 
-    /** Marks rows as just computed at the present positions: then F is the identity where
-     * are_undeformed_when_new(). */
+    /** Rows are just computed at present positions: F is one if are_undeformed_when_new(). */
     void note_present()
     {
       if (!are_undeformed_when_new())
@@ -250,8 +240,7 @@ namespace tombolo
       renumber(partition);
       support_of_node.reinit(std::make_shared<const NodePartition>(partition), Quantity::scalars);
     }
-    /** Sets the positions of @p particles in the reference of @p kernel for affine smoothing.
-     * Collective. */
+    /** Sets positions in the reference of @p kernel for affine smoothing. Collective. */
     void store_reference(const ParticleSet<dim> &particles, const KernelConfiguration<dim> &kernel,
                          const std::shared_ptr<const NodePartition> &partition)
     {
@@ -264,8 +253,7 @@ namespace tombolo
       return particles.partition(required_nodes(particles), required_image_nodes());
     }
 
-    /** Lists whether finish_start() was called, and which rows lost their negative values; after
-     * complete_reading() they have lost them. */
+    /** Lists the start, and which rows lost negative values; complete_reading() removes these. */
     void list(Records &records)
     {
       records.value("has started", has_started);
@@ -349,8 +337,7 @@ namespace tombolo
     }
     /** Called after each search, for further choices among the neighbours. */
     virtual void restrict_neighbours() {}
-    /** The message of a row of the last fill() of the start that has no basis; empty without one.
-     */
+    /** The message of a row without a basis in the last fill() of the start; else empty. */
     virtual std::string describe_defects(const double *position, const double *support) const = 0;
 
     Section section;

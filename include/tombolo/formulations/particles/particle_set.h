@@ -115,8 +115,7 @@ namespace tombolo
       return spacing;
     }
 
-    /** A partition of the nodes of this rank with the ghosts @p required and @p images.
-     * Collective. */
+    /** A partition with the ghosts @p required and @p images. Collective. */
     std::shared_ptr<const NodePartition> partition(const dealii::IndexSet &required,
                                                    const std::vector<ImageNode> &images) const;
 

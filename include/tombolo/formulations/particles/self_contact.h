@@ -119,8 +119,7 @@ namespace tombolo
       return images_of_part->empty() ? lower_copies : lower_copies + 1;
     }
 
-    /** Before anything else, and whenever there are more particles. @p wave_rate is c/h, the same
-     * each time. Collective. */
+    /** First, and when there are more particles. @p wave_rate: c/h, always the same. Collective. */
     void set_particles(ContactParticles new_particles, const double wave_rate,
                        const MPI_Comm communicator)
     {
@@ -167,8 +166,7 @@ namespace tombolo
       return n_fragments;
     }
 
-    /** In each step: whether rows have lost neighbours or have others, and whether any has
-     * lost some, on any rank. */
+    /** In each step: whether rows have changed, and whether any on any rank has lost neighbours. */
     void set_rows(const bool have_changed, const bool are_torn)
     {
       revision_of_rows += have_changed ? 1 : 0;

@@ -66,9 +66,8 @@ namespace tombolo
     }
 
     /** Adds the forces on this rank's particles to @p loads, forces at positions, and their nodes
-     * to @p loaded_nodes; with friction, loads of other nodes, ghosts among them, as well. @p
-     * element_mass is that of elements at owned nodes. Points keep forces and fragments.
-     * Collective. */
+     * to @p loaded_nodes; with friction, loads of other nodes, also ghosts. @p element_mass is that
+     * of elements at owned nodes. Points keep forces and fragments. Collective. */
     void add_forces(const MechanicalInput &input, const NodalVector &element_mass,
                     NodalVector &loads, std::vector<unsigned int> &loaded_nodes,
                     const FragmentHeat &heat)
@@ -284,8 +283,7 @@ namespace tombolo
       }
       friction->begin_step(*input.position, moves, is_touching, heat);
     }
-    /** The normal force on the particle of a row in the whole body; that of friction is added to
-     * @p along. */
+    /** The normal force on the particle of a row in the whole body; adds friction to @p along. */
     dealii::Tensor<1, dim> force_on(const unsigned int row, const Motion &ends,
                                     const double time_step, const FragmentHeat &heat,
                                     double &elastic, dealii::Tensor<1, dim> &along)
@@ -331,8 +329,7 @@ namespace tombolo
       }
       return force;
     }
-    /** Replaces the force and the position of the step before by the present ones. Adds the work in
-     * between. */
+    /** Replaces force and position of the step before. Adds the work in between. */
     void replace_force(const unsigned int row, const dealii::Tensor<1, dim> &force,
                        const double *const position, double &work)
     {

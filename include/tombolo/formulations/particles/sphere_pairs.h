@@ -136,9 +136,8 @@ namespace tombolo
       return are_current;
     }
 
-    /** Finds fragments and the pairs of different bodies among the candidates; @p position has the
-     * ghosts of the stencils, @p element_mass is that of elements at owned nodes. Columns keep the
-     * fragments. Collective. */
+    /** Finds fragments, and pairs of different bodies among the candidates; @p position has ghosts
+     * of stencils, @p element_mass is of owned nodes. Columns keep the fragments. Collective. */
     void find_pairs(const NodalVector &position, const NodalVector &element_mass,
                     const std::vector<Columns> &columns)
     {
@@ -286,8 +285,7 @@ namespace tombolo
       all_spheres.masses.push_back(0.);
       all_spheres.parts.push_back(0);
     }
-    /** The reach of each particle: half the largest diameters of its part and of all. Collective.
-     */
+    /** By particle: half the largest diameters of its part and of all. Collective. */
     void find_supports()
     {
       // Diameters by part, so that small particles are not candidates of each other as far as large

@@ -22,8 +22,7 @@ namespace tombolo
 {
   namespace internal
   {
-    /** By how much supports are to be widened, so that one that reaches into a cell reaches one of
-     * its corners. Collective. */
+    /** What widens supports so that one that reaches into a cell reaches a corner. Collective. */
     template <int dim>
     double skin_over_cells(const ParticleSet<dim> &own, const std::vector<SmoothedCell<dim>> &cells)
     {
@@ -39,9 +38,8 @@ namespace tombolo
              dealii::Utilities::MPI::max(inverse_of_support, own.communicator());
     }
 
-    /** The nodes of other ranks whose supports reach cells of this rank. The corners of the cells
-     * go along as points without a support, since cells can lie beyond the nodes that their rank
-     * owns. Collective. */
+    /** The nodes of other ranks whose supports reach cells here. Corners of the cells go along as
+     * points without a support, since cells can lie beyond the nodes of their rank. Collective. */
     template <int dim>
     RemoteParticles find_remote_nodes(const ParticleSet<dim> &own,
                                       const std::vector<SmoothedCell<dim>> &cells,
@@ -131,13 +129,11 @@ namespace tombolo
     }
   } // namespace internal
 
-  /** The nodes of a part that can be neighbours of points in its cells on this rank, ascending by
-   * their global numbers. */
+  /** The nodes of a part that can be neighbours of points in its cells here, ascending. */
   template <int dim>
   struct NodeCloud
   {
-    /** Half widths of supports are @p dilation times the largest distance to a node of the same
-     * cell, axis by axis. Collective. */
+    /** Half widths are @p dilation times the largest distance within a cell by axis. Collective. */
     NodeCloud(const PartSetup<dim> &setup, const double dilation,
               const std::vector<SmoothedCell<dim>> &cells)
     {
@@ -203,8 +199,7 @@ namespace tombolo
     std::vector<bool> is_void;             ///< whether all of its cells are void; empty: none is
   };
 
-  /** The facets (SubCells) that two full cells of this rank have in common, without those of cells
-   * with faces towards smaller ones. */
+  /** Facets (SubCells) of two full cells of this rank; none of cells beside smaller ones. */
   template <int dim>
   class SharedFacets
   {
@@ -306,8 +301,7 @@ namespace tombolo
     NodeCloud<dim> cloud;
     SharedFacets<dim> shared_facets;
 
-    /** The nodes in full cells of the same body whose supports reach a cell: indices in the cloud,
-     * ascending. */
+    /** Nodes of full cells of the body whose supports reach a cell: in the cloud, ascending. */
     void find_neighbours(const std::size_t cell, std::vector<std::size_t> &result) const
     {
       const double body =

@@ -93,8 +93,7 @@ namespace tombolo
       return section.has_value();
     }
 
-    /** The displacement of the mesh to whose positions nodes go; nothing if it stays. Throws
-     * InputError. Collective. */
+    /** The displacement of the mesh for nodes; none: it stays. Throws InputError. Collective. */
     std::optional<Expression<dim>> motion() const
     {
       if (section->get(motion_entry).empty())
@@ -102,8 +101,7 @@ namespace tombolo
       return Expression<dim>(*section, motion_entry, dim);
     }
 
-    /** Where cells are void at the start, by their centre, so that refills fill and empty cells;
-     * nothing if they do not. Throws InputError. */
+    /** Where cells are void at the start, by centre; null: refills fill none. Throws InputError. */
     std::optional<Predicate<dim>> void_cells() const
     {
       if (!fills_cells)

@@ -29,8 +29,7 @@ namespace tombolo
   public:
     using Cell = typename Nodes<dim>::Cell;
 
-    /** Void are the cells of the part with their centre where @p is_void is true. Throws InputError
-     * where that cannot be evaluated. Collective. */
+    /** Void are cells whose centre fulfils @p is_void. Throws its InputError. Collective. */
     void initialize(const PartSetup<dim> &setup, const Predicate<dim> &is_void)
     {
       initialize(setup);
@@ -102,8 +101,7 @@ namespace tombolo
       return dealii::Utilities::MPI::max(result ? 1 : 0, setup.communicator) != 0;
     }
 
-    /** The centre of a full cell at which one of the smaller cells beside it is void.
-     * Collective. */
+    /** The centre of a full cell beside a smaller void one. Collective. */
     template <int dim>
     std::string cell_beside_void_cells(const PartSetup<dim> &setup)
     {

@@ -26,8 +26,7 @@ namespace tombolo
     static constexpr unsigned int n_parts = 1u << (dim - 1);
 
     /** The nodes of a small face: the corner of the cell, then the middles of the edges of the face
-     * that meet there, then the middle of the face (in two dimensions the corner and the middle).
-     */
+     * that meet there, then the middle of the face (in the plane the corner and the middle). */
     struct Part
     {
       unsigned int corner = 0; ///< of the cell
@@ -41,9 +40,7 @@ namespace tombolo
     std::array<Part, n_parts> parts;
   };
 
-  /** An edge of a cell in space with a node in its middle, which smaller cells beside the edge
-   * have.
-   */
+  /** An edge of a cell in space with a node in its middle, which smaller cells beside it have. */
   template <int dim>
   struct EdgeNode
   {
@@ -52,8 +49,7 @@ namespace tombolo
     dealii::Point<dim> point;
   };
 
-  /** A cell of this rank: its corners, lexicographic, and which of its faces bound what is full of
-   * the part. A void cell has no such faces. */
+  /** A cell of this rank: corners, lexicographic, and faces that bound what is full (or none). */
   template <int dim>
   struct SmoothedCell
   {
@@ -67,8 +63,7 @@ namespace tombolo
     std::vector<FaceNodes<dim>> face_nodes; ///< of faces towards cells of half its size
     std::vector<EdgeNode<dim>> edge_nodes;  ///< beside such cells
 
-    /** Whether it has nodes besides its corners: those of cells of half its size on its faces or
-     * edges. */
+    /** Whether it has nodes besides its corners: those of cells of half its size beside it. */
     bool has_further_nodes() const
     {
       return !face_nodes.empty() || !edge_nodes.empty();
@@ -129,9 +124,8 @@ namespace tombolo
     }
   };
 
-  /** The facets of the sub-cells of a cell. Where nodes are not in the middle of their edge, facets
-   * are two @p at_edge_nodes of faces without further nodes. Their number and order do not depend
-   * on positions. */
+  /** The facets of the sub-cells. Where nodes are not in the middle of their edge, facets are two
+   * @p at_edge_nodes of faces without further nodes. Their order does not depend on positions. */
   template <int dim>
   std::vector<CellFacet<dim>> facets_of(const SmoothedCell<dim> &cell, bool at_edge_nodes);
 
@@ -199,8 +193,7 @@ namespace tombolo
     /** Adds (f - 1) times them, with a factor f for each cell of the part on this rank. */
     void add_extra_mass(const std::vector<double> &factors, NodalVector &mass) const;
 
-    /** Adds the differences of the same kind for numbers that cells of the part on this rank
-     * distribute to their nodes by mass. */
+    /** Adds such differences of numbers that cells of the part here distribute to nodes by mass. */
     void add_shares(const std::vector<double> &cell_values, NodalVector &result) const;
 
   private:

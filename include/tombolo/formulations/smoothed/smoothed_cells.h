@@ -233,8 +233,7 @@ namespace tombolo
       return voids;
     }
 
-    /** Fills and empties cells: points get other numbers, and renew_reference() must follow. Only
-     * where void_cells() are on. Collective. */
+    /** Fills and empties cells (void_cells() are on); renew_reference() must follow. Collective. */
     void set_void_cells(const std::vector<bool> &is_void)
     {
       voids.set(is_void);
@@ -246,8 +245,7 @@ namespace tombolo
     {
       return cell_points.cells().masses();
     }
-    /** Adds the masses of further nodes from cells beside them, less at their corners (see
-     * FurtherMasses). */
+    /** Adds masses of further nodes, less at the corners of cells (see FurtherMasses). */
     void add_further_masses(NodalVector &mass) const
     {
       further_masses.add_mass(mass);

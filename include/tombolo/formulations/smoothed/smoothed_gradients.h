@@ -57,10 +57,9 @@ namespace tombolo
     }
 
     /** Computes the rows. Throws the InputError of a cell without a positive volume, or of a point
-     * outside of the hull of its neighbours; then they stay as they are. With @p position, whose
-     * ghosts are current, that is the reference configuration, and functions have the weights of
-     * the initial one (ConvexApproximation::evaluate_moved()); null: the initial one. Collective.
-     */
+     * outside of the hull of its neighbours; then they stay. With @p position, whose ghosts are
+     * current, that is the reference configuration, and functions have the weights of the initial
+     * one (ConvexApproximation::evaluate_moved()); null: the initial one. Collective. */
     void initialize(const PartSetup<dim> &setup, const NodalVector *position = nullptr);
 
     /** Makes required_nodes() those of all positions that initialize() can get; before it. */
@@ -107,8 +106,7 @@ namespace tombolo
     void find_node_set(const std::vector<SmoothedRow<dim>> &rows_of_cells,
                        dealii::types::global_dof_index n_nodes);
 
-    /** Puts the rows of cells, n_points_per_cell() each, into the order of points. @p first_node
-     * has a node of each cell. */
+    /** Puts rows of cells into the order of points. @p first_node has a node of each cell. */
     void arrange(const std::vector<SmoothedRow<dim>> &rows_of_cells,
                  const std::vector<dealii::types::global_dof_index> &first_node);
 

@@ -33,8 +33,7 @@ namespace tombolo
       part_points = PartPoints(section);
     }
 
-    /** Makes the points with the volumes of the rows. With void cells there are points for all
-     * cells. */
+    /** Makes the points with the volumes of the rows; with void cells for all cells. */
     void create_points()
     {
       if (!part_points.has_mechanics())

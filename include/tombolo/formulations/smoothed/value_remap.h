@@ -34,8 +34,7 @@ namespace tombolo
                              const std::vector<NodalVector *> &fields) const = 0;
 
     /** Sets the values of @p points at the new positions of points of cells that have moved; masses
-     * stay. @p corner_shares: the shares of the corners of its cell in the position of each
-     * point. */
+     * stay. @p corner_shares: those of the corners of its cell in the position of each point. */
     virtual void remap_points(const std::vector<RemapCell<dim>> &cells,
                               const std::shared_ptr<const NodePartition> &partition,
                               const std::vector<std::vector<double>> &corner_shares,
