@@ -93,7 +93,6 @@ namespace tombolo
         : chosen_kernel(std::move(kernel))
     {}
 
-    /** What evaluate() found. */
     struct Result
     {
       bool is_inside = false; ///< otherwise x is outside of the hull, and there are no values

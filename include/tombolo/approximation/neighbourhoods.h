@@ -326,7 +326,6 @@ namespace tombolo
       count_up(shape.particle_node, n_own);
       shape.neighbour = neighbour_index;
     }
-    /** Makes a list 0, 1, ..., @p n - 1. */
     static void count_up(std::vector<unsigned int> &list, const std::size_t n)
     {
       list.resize(n);

@@ -34,7 +34,6 @@ namespace tombolo
   class ParticleGhosts
   {
   public:
-    /** Boxes of one rank, at most. */
     static constexpr unsigned int n_boxes = 32;
 
     /** @p node are the global numbers of the particles of this rank; @p position and half widths

@@ -127,7 +127,6 @@ namespace tombolo
       empty ///< they have no ∇φ, and are listed in Stencils::rank_deficient_rows
     };
 
-    /** A row that cannot be corrected. */
     struct Defect
     {
       unsigned int row;          ///< index into Stencils::particle_node
@@ -242,7 +241,6 @@ namespace tombolo
       std::size_t own;   ///< of the particle itself, from the beginning of the row on
       unsigned int size; ///< with the particle itself
 
-      /** The size in whole Lanes. */
       std::size_t padded() const
       {
         return padded_to_lanes(size);
@@ -455,7 +453,6 @@ namespace tombolo
       return (volume.empty() ? 1. : volume[row] / own_volume) *
              dealii::unit_symmetric_tensor<dim>();
     }
-    /** Writes the row from the buffers. */
     void write_row(const unsigned int row, const Entries &entries,
                    const dealii::SymmetricTensor<2, dim> &correction, Stencils &shape) const
     {
@@ -495,7 +492,6 @@ namespace tombolo
       for (unsigned int a = 0; a < dim && entries.size > 0; ++a)
         gradient[Stencils::n_gradient * entries.own + a] = -reduce(gradient_sum[a]);
     }
-    /** φ of the rows. */
     void write_values(Stencils &shape)
     {
       if (last_values == shape.value.data())

@@ -41,7 +41,6 @@ namespace tombolo
       return start;
     }
 
-    /** How many values are kept. */
     std::size_t size() const
     {
       return kept_values.size();

@@ -144,7 +144,6 @@ namespace tombolo
       return MiddleNodes::refused;
     }
 
-    /** Whether a run can divide cells of the part. */
     virtual bool can_be_divided() const
     {
       return false;
@@ -324,7 +323,6 @@ namespace tombolo
     virtual void point_positions(const NodalVector &position,
                                  std::vector<dealii::Point<dim>> &points) const = 0;
 
-    /** Initial positions of the material points, in the order of points(). */
     virtual const std::vector<dealii::Point<dim>> &initial_point_positions() const = 0;
 
     const MaterialPoints &points() const
@@ -350,7 +348,6 @@ namespace tombolo
       return false;
     }
 
-    /** Whether cells can be removed in the run. */
     virtual bool can_lose_cells() const
     {
       return false;

@@ -33,7 +33,6 @@ namespace tombolo
     /** The fields that points need; none if off. */
     std::vector<FieldDescription> variables() const;
 
-    /** Finds the fields. */
     void initialize(const MaterialPoints &points);
 
     /** Advances the temperature of @p n points from @p first on to the present one, from the nodal
@@ -57,7 +56,6 @@ namespace tombolo
     /** The heat of point @p i that the nodes have not received [M L^2/T^2]. */
     double pending(const MaterialPoints &points, unsigned int i) const;
 
-    /** That of all points. */
     double pending(const MaterialPoints &points) const;
 
     /** Returns pending(), and counts it as given. */

@@ -25,7 +25,6 @@ namespace tombolo
       return {per_cell + per_node * (n_nodes - 1), per_node};
     }
 
-    /** Of elements with @p n_points points. */
     inline StepCost element_cost(const unsigned int dim, const unsigned int degree,
                                  const unsigned int n_points, const double cost_per_point,
                                  const Material &material)

@@ -43,7 +43,6 @@ namespace tombolo
   class DamageGrowth
   {
   public:
-    /** The field of the damage. */
     static const std::string field_name;
 
     /** That of `Damage` in the section of a material; null for `none`. */

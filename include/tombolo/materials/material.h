@@ -50,7 +50,6 @@ namespace tombolo
    */
   using MaterialTangent = std::array<double *, 36>;
 
-  /** Sets the tangent of isotropic elasticity at point @p i. */
   inline void set_elastic_tangent(const double bulk, const double shear, const unsigned int i,
                                   const MaterialTangent &tangent)
   {

@@ -14,7 +14,6 @@ namespace tombolo
   class NodalEnthalpy
   {
   public:
-    /** Clears all. */
     void reinit(const unsigned int n_nodes)
     {
       shares.clear();

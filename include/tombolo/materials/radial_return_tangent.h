@@ -101,7 +101,6 @@ namespace tombolo
 
     using Numbers = dealii::AlignedVector<double>;
 
-    /** Evaluates the slope of the flow stress at the end of the step. */
     void evaluate_slope(const MaterialBatch &batch, const FlowStress &flow_stress)
     {
       const bool has_temperature = !temperature_without_own.empty();

@@ -4,7 +4,6 @@
 
 namespace tombolo
 {
-  /** The plug-in. */
   template <int dim>
   using BBarHexahedron = CellFormulation<dim, FullyIntegratedHexahedron<dim, true>>;
 

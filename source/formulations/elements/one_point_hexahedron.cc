@@ -3,7 +3,6 @@
 
 namespace tombolo
 {
-  /** The plug-in. */
   template <int dim>
   using Hexahedron = CellFormulation<dim, OnePointHexahedron<dim>>;
 

@@ -157,7 +157,6 @@ namespace tombolo
     void apply_elastic_stiffness(const NodalVector & /*position*/, const NodalVector & /*velocity*/,
                                  const double /*time_step*/, NodalVector & /*force*/) const override
     {}
-    /** No cell has a limit. */
     void courant_limits(const NodalVector & /*position*/,
                         std::vector<double> &time_steps) const override
     {
@@ -195,7 +194,6 @@ namespace tombolo
           "of the same degree.");
     }
 
-    /** One class a degree. */
     template <int dim>
     std::unique_ptr<Formulation<dim>> create_rigid(const Section &section)
     {

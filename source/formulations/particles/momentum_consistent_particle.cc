@@ -33,7 +33,6 @@ namespace tombolo
   class LeastSquaresRows : public ParticleRows<dim>
   {
   public:
-    /** `Kernel`, `Dilation`, and those of averages. */
     static void declare_parameters(const Entries &e)
     {
       e.choice("Kernel", "cubic spline", Registry<Kernel>::instance().selection(),

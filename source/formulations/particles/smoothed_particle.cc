@@ -54,7 +54,6 @@ namespace tombolo
   class SmoothedRows : public ParticleRows<dim>
   {
   public:
-    /** `Kernel`, `Smoothing length`, `Gradient` and `Correction limit`. */
     static void declare_parameters(const Entries &e)
     {
       e.choice("Kernel", "hyperbolic spline", Registry<Kernel>::instance().selection(),

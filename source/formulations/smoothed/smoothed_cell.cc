@@ -107,7 +107,6 @@ namespace tombolo
       return result;
     }
 
-    /** Node @p k of a small face. */
     template <int dim>
     VertexOf<dim> vertex_of_part(const typename FaceNodes<dim>::Part &part, const unsigned int k)
     {

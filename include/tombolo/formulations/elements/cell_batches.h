@@ -24,7 +24,6 @@ namespace tombolo
   template <int dim>
   std::vector<double> lagrange_values(unsigned int degree, const dealii::Point<dim> &point);
 
-  /** Ways to a diagonal mass matrix. */
   enum class MassLumping
   {
     row_sum,      ///< m_I = ∫ ρ φ_I
@@ -147,7 +146,6 @@ namespace tombolo
       positions.shrink_to_fit();
     }
 
-    /** All nodes of the cells. */
     const dealii::IndexSet &required_nodes() const
     {
       return node_set;

@@ -440,7 +440,6 @@ namespace tombolo
     using Base = CellIntegration<dim, Element>;
     using Base::cell_points, Base::criterion, Base::lost_cells, Base::part_points, Base::points;
 
-    /** Removes lost cells from the batches. */
     void remove_lost_cells()
     {
       cell_points.remove(lost_cells.flags(), points());

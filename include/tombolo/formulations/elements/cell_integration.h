@@ -22,7 +22,6 @@ namespace tombolo
   class PlasticFlow
   {
   public:
-    /** Finds the field in @p points. */
     void set(const MaterialPoints &points)
     {
       field = points.find_field("effective plastic strain");
@@ -347,7 +346,6 @@ namespace tombolo
     {
       return part_points.is_logarithmic() && Element::shares_volume;
     }
-    /** Shares the motion among the points of cells. */
     void share(const typename Element::Work &work,
                MotionIncrement<Lanes> (&motions)[n_points]) const
     {

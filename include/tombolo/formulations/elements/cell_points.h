@@ -115,7 +115,6 @@ namespace tombolo
       return static_cast<unsigned int>(shape_values.size());
     }
 
-    /** The number of point @p q of the cell at a slot. */
     unsigned int point_of_slot(const unsigned int slot, const unsigned int q) const
     {
       return point_in_lanes(slot, n_points_per_cell(), q);
@@ -132,7 +131,6 @@ namespace tombolo
       return shape_values;
     }
 
-    /** Positions of the points for given nodal positions. */
     void find_positions(const NodalVector &position,
                         std::vector<dealii::Point<dim>> &positions) const
     {
@@ -245,19 +243,16 @@ namespace tombolo
     using NodeValues = Lanes[n_nodes][dim];
     using ScalarValues = Lanes[n_nodes];
 
-    /** The number of point @p q of the cell at a slot. */
     static unsigned int point_at(const unsigned int slot, const unsigned int q)
     {
       return point_in_lanes(slot, n_points, q);
     }
 
-    /** The number of the first point of a batch. */
     static std::size_t first_point(const unsigned int batch)
     {
       return std::size_t(batch) * points_per_batch;
     }
 
-    /** The values of a vector at the nodes of a batch. */
     void gather(const unsigned int batch, const NodalVector &vector, NodeValues &values) const
     {
       const unsigned int *const nodes = batches.nodes(batch);
@@ -282,7 +277,6 @@ namespace tombolo
           x[k][d] = load_lanes(positions + (k * dim + d) * n_lanes);
     }
 
-    /** Adds @p values at the nodes of the cells of a batch to a vector. */
     void scatter(const unsigned int batch, const NodeValues &values, NodalVector &vector) const
     {
       const unsigned int *const nodes = batches.nodes(batch);

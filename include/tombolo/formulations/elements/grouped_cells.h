@@ -18,7 +18,6 @@ namespace tombolo
   public:
     using Group = typename CellBatches<dim>::Group; ///< its number is the ratio
 
-    /** So many ratios a part can have. */
     static constexpr unsigned int most_groups = 8;
 
     virtual ~GroupedCells() = default;

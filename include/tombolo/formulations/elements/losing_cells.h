@@ -29,7 +29,6 @@ namespace tombolo
       return !lost.empty() && lost[cell];
     }
 
-    /** Whether it became particles. */
     bool is_converted(const unsigned int cell) const
     {
       return cell < converted.size() && converted[cell];

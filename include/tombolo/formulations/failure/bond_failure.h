@@ -25,7 +25,6 @@ namespace tombolo
     /** Throws the InputError that points with these fields cannot be judged. */
     virtual void check(const MaterialPoints & /*points*/) const {}
 
-    /** Whether measure() uses deformations. */
     virtual bool needs_deformation() const
     {
       return false;

@@ -378,7 +378,6 @@ namespace tombolo
       kept.store(stencils);
       return true;
     }
-    /** Turns sums into rows. */
     void make_rows(std::vector<Sums> &sums, std::vector<double> &volumes,
                    std::vector<double> &squared_edges)
     {

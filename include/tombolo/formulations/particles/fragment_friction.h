@@ -124,7 +124,6 @@ namespace tombolo
       const Stencils *shape;
     };
 
-    /** Between particles of these @p parts. */
     explicit FragmentFriction(std::vector<Part> touching_parts) : parts(std::move(touching_parts))
     {
       for (const Part &part : parts)

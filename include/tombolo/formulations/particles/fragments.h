@@ -11,7 +11,6 @@
 
 namespace tombolo
 {
-  /** The fragment of a particle. */
   struct FragmentOfParticle
   {
     /** The smallest identifier of the particles in the fragment or in its images. */

@@ -156,7 +156,6 @@ namespace tombolo
     {
       reference_deformation[i] = new_deformation;
     }
-    /** Stretches the initial support of all particles by F. */
     void stretch_supports(const ParticleSet<dim> &particles)
     {
       for (unsigned int i = 0; i < particles.size(); ++i)
@@ -245,7 +244,6 @@ namespace tombolo
       }
     }
 
-    /** Lists the number of steps since the renewal. */
     void list(Records &records)
     {
       records.value("steps since rebuild", steps_since_renewal);

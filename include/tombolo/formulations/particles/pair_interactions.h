@@ -291,7 +291,6 @@ namespace tombolo
   public:
     /** None: heat is conducted by the gradients of the rows. */
     PairConduction() = default;
-    /** Reads the section of a formulation. */
     explicit PairConduction(const Entries &e)
     {
       const std::string name =
@@ -482,7 +481,6 @@ namespace tombolo
   public:
     virtual ~PairInteractions() = default;
 
-    /** Forces and motion of pairs. */
     virtual const PairTerms<dim> &pair_terms() const = 0;
 
     /** The pairs, with present volumes; valid until partition, rows or points change. */

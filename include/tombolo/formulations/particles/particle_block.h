@@ -51,7 +51,6 @@ namespace tombolo
       }
     };
 
-    /** A vector for each particle of a block. */
     using BlockVectors = double[block_size][node_stride];
 
     /** ∂v/∂X and, where requested, F = ∂x/∂X of the particles of a block, and what φ makes of the

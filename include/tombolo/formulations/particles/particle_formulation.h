@@ -165,7 +165,6 @@ namespace tombolo
       return false;
     }
 
-    /** Whether it has add_particles(). */
     virtual bool can_add_particles() const
     {
       return false;

@@ -270,7 +270,6 @@ namespace tombolo
     }
 
   protected:
-    /** The shared entries. */
     static void declare_shared_parameters(const Entries &e,
                                           const std::string &default_configuration)
     {
@@ -310,7 +309,6 @@ namespace tombolo
     static constexpr double own_rows = 1.25;          // where rows are not shared by particles
     static constexpr double per_shape_function = 18.; // neighbours and shape functions built anew
 
-    /** Collects the particles of these cells, without rows. */
     void collect(const CellSelection<dim> &is_taken, const NodalVector *const volumes = nullptr)
     {
       rows->reset(this->collect_particles(setup, rows->dilation(), is_taken, volumes));
@@ -475,7 +473,6 @@ namespace tombolo
       bonds.isolate_distorted_in_reference();
       return NeighbourhoodChange::neighbours;
     }
-    /** Sets the present volumes in rows that depend on them. */
     void update_volumes()
     {
       if (!rows->depend_on_volumes())

@@ -35,7 +35,6 @@ namespace tombolo
   class ParticleRows
   {
   public:
-    /** `Kernels across gaps`. */
     static void declare_parameters(const Entries &e)
     {
       e.flag("Kernels across gaps", "false",
@@ -98,7 +97,6 @@ namespace tombolo
     {
       return false;
     }
-    /** Whether rows change with the volumes of set_present_volumes(). */
     virtual bool depend_on_volumes() const
     {
       return false;
@@ -323,7 +321,6 @@ namespace tombolo
     {
       return shape;
     }
-    /** Sets the numbers of nodes in @p partition in the rows. */
     virtual void renumber(const NodePartition &partition)
     {
       neighbours.set_partition(partition, shape);

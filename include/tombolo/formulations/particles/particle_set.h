@@ -92,7 +92,6 @@ namespace tombolo
     {
       return supports;
     }
-    /** Sets other volumes than the lumped ones. */
     void set_initial_volumes(const std::vector<double> &new_volumes)
     {
       AssertDimension(new_volumes.size(), volumes.size());

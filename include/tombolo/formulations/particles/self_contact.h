@@ -21,7 +21,6 @@
 
 namespace tombolo
 {
-  /** Fragments of a part in contact. */
   struct FragmentCounts
   {
     unsigned long n_fragments = 0; ///< bodies that no chain of bonds connects, at the last search
@@ -79,7 +78,6 @@ namespace tombolo
       images_of_part = images;
     }
 
-    /** The fields that points need. */
     std::vector<FieldDescription> variables() const
     {
       return {{force_name, "M L/T^2", FieldLocation::material_point, 3, true},
@@ -263,7 +261,6 @@ namespace tombolo
       return law_rubbing.rubs() || law_rubbing.conducts();
     }
 
-    /** Beside points. */
     void list(Records &records)
     {
       records.sums("energies", kept.stored, kept.dissipated);

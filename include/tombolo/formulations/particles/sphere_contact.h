@@ -187,7 +187,6 @@ namespace tombolo
       double frequency, damping;
     };
 
-    /** The motion of the ends of a pair. */
     struct Motion
     {
       const NodalVector *position, *velocity;

@@ -41,7 +41,6 @@ namespace tombolo
   {
   public:
     ZeroEnergyControl() = default;
-    /** `Zero-energy stiffness` and `Zero-energy limit`. */
     explicit ZeroEnergyControl(const Entries &e)
         : coefficient(e.number(
               "Zero-energy stiffness", "0.9", between(0., 4.), "1",
@@ -100,7 +99,6 @@ namespace tombolo
       }
       return fields;
     }
-    /** Finds the fields in @p points. */
     void initialize(const MaterialPoints &points)
     {
       energy_field = points.find_field(energy_name);
@@ -246,7 +244,6 @@ namespace tombolo
         }
     }
 
-    /** Adds "hourglass energy" and "viscous dissipation". */
     void account(const MaterialPoints &points, EnergyAccounts &accounts) const
     {
       accounts.add("hourglass energy", EnergyKind::stored,

@@ -168,7 +168,6 @@ namespace tombolo
       internal::find_void_nodes(setup, own, cells, node, is_void);
     }
 
-    /** The index of a node in the cloud. */
     unsigned int index_of(const dealii::types::global_dof_index number) const
     {
       const auto found = std::lower_bound(node.begin(), node.end(), number);

@@ -180,7 +180,6 @@ namespace tombolo
   public:
     void initialize(const PartSetup<dim> &setup);
 
-    /** The nodes that have such masses. */
     const dealii::IndexSet &required_nodes() const
     {
       return node_set;

@@ -102,7 +102,6 @@ namespace tombolo
     void set_partition(const NodePartition &partition);
 
   private:
-    /** Sets required_nodes(). */
     void find_node_set(const std::vector<SmoothedRow<dim>> &rows_of_cells,
                        dealii::types::global_dof_index n_nodes);
 

@@ -180,7 +180,6 @@ namespace tombolo
     SmoothedGradients<dim> rows;
 
   private:
-    /** The motion of a batch of cells. */
     template <unsigned int n_points>
     struct BatchMotion
     {

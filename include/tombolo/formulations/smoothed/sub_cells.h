@@ -59,7 +59,6 @@ namespace tombolo
 
     static dealii::Point<dim> point_at(const Shares &shares, const Corners &corners);
 
-    /** The mean of the corners of a cell. */
     static dealii::Point<dim> centre(const Corners &corners)
     {
       dealii::Point<dim> result;
