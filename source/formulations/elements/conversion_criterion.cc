@@ -5,29 +5,22 @@ namespace tombolo
 {
   namespace
   {
-    const char *const strain_entry = "Conversion strain";
-    const char *const damage_limit_entry = "Conversion damage";
     const char *const jacobian_entry = "Conversion scaled Jacobian";
     const char *const time_step_entry = "Conversion time step";
-    const char *const gap_entry = "Conversion gap";
     const char *const contact_entry = "Conversion contact";
-    const char *const layers_entry = "Conversion layers";
-    const char *const interval_entry = "Steps between conversions";
   } // namespace
 
   ConversionCriterion::ConversionCriterion(const Entries &e)
   {
-    const auto largest_strain = e.optional_number(
-        strain_entry, positive(), "1",
+    largest_means.add(
+        e, MeanLimits::Of::strain, "Conversion strain",
         "Effective plastic strain, as the mean of the points of a cell, at which the cell becomes "
         "particles, those of the part with `Cells = from` this part. Empty: not by strain.");
-    const auto largest_damage = e.optional_number(
-        damage_limit_entry, positive(), "1",
+    largest_means.add(
+        e, MeanLimits::Of::damage, "Conversion damage",
         "Damage, as the mean of the points of a cell, at which the cell becomes particles; 1 where "
         "it has failed. The material needs a `Damage`, or a variable `damage` of its own. Empty: "
         "not by damage.");
-    largest_means.add(strain_entry, largest_strain, MeanLimits::Of::strain);
-    largest_means.add(damage_limit_entry, largest_damage, MeanLimits::Of::damage);
     smallest_jacobian =
         e.optional_number(jacobian_entry, positive(), "1",
                           "A cell becomes particles where the smallest determinant of the unit "
@@ -41,7 +34,7 @@ namespace tombolo
         "A cell becomes particles where the time that a longitudinal wave takes through it falls "
         "below this (eq. 41 without its factor). Empty: not by the step.");
     smallest_gap =
-        e.optional_number(gap_entry, positive(), "L",
+        e.optional_number("Conversion gap", positive(), "L",
                           "A cell becomes particles where one of its nodes is nearer than this to "
                           "the surface of the `Conversion contact`: neither the tool nor strong "
                           "gradients meet elements. Empty: not by nearness.");
@@ -52,9 +45,9 @@ namespace tombolo
       return;
     section = e.section();
     layers = e.integer(
-        layers_entry, "1", between(0, 100),
+        "Conversion layers", "1", between(0, 100),
         "With a cell that becomes particles go so many layers of cells of the part around it.");
-    interval = e.integer(interval_entry, "20", between(1, 1000000),
+    interval = e.integer("Steps between conversions", "20", between(1, 1000000),
                          "Cells are compared with the limits of conversion every so many steps.");
   }
 

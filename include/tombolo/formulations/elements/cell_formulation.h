@@ -308,7 +308,7 @@ namespace tombolo
 
     bool erodes() const override
     {
-      return erosion.is_on();
+      return !erosion.empty();
     }
 
     std::vector<unsigned int> find_failed_cells(const NodalVector &position) const override
@@ -323,7 +323,7 @@ namespace tombolo
         unsigned int n_small[n_lanes] = {};
         for (unsigned int i = 0; i < Points::points_per_batch; ++i)
           n_small[i % n_lanes] += ratios[Points::first_point(batch) + i] > small_volume ? 0 : 1;
-        const bool may_fail = erosion.means().may_be_reached(points(), batch, Element::n_points);
+        const bool may_fail = erosion.may_be_reached(points(), batch, Element::n_points);
         for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
         {
           const bool is_small = n_small[lane] > 0;
@@ -332,7 +332,7 @@ namespace tombolo
           const unsigned int slot = batch * n_lanes + lane, cell = cells.cell_at(slot);
           // It could lose its volume before its next step.
           const bool is_late = !step_ratios.empty() && step_ratios[cell] > 1;
-          if (erosion.means().are_reached(points(), slot, Element::n_points) ||
+          if (erosion.are_reached(points(), slot, Element::n_points) ||
               (is_small && (is_late || !this->is_volume_positive(slot, position))))
             failed.push_back(cell);
         }
@@ -372,7 +372,7 @@ namespace tombolo
     }
     bool can_lose_cells() const override
     {
-      return erosion.is_on() || criterion.is_on();
+      return !erosion.empty() || criterion.is_on();
     }
     unsigned int n_removed_cells() const override
     {

@@ -13,30 +13,18 @@ namespace tombolo
 {
   /** When a cell of elements is removed: where the mean effective plastic strain of its points, or
    * their mean damage, reaches a limit. Off unless a limit is given. */
-  class ErosionCriterion
+  class ErosionCriterion : public MeanLimits
   {
   public:
     /** None. */
     ErosionCriterion() = default;
     explicit ErosionCriterion(const Entries &e);
-    bool is_on() const
-    {
-      return !largest_means.empty();
-    }
-
-    /** A cell that reaches one of them is removed; none if off. */
-    const MeanLimits &means() const
-    {
-      return largest_means;
-    }
-
     /** Finds the fields in @p points, which are none where the scene has no mechanics. Throws
      * InputError where the material has no such field. Does nothing if off. */
     void initialize(const MaterialPoints &points, bool has_mechanics);
 
   private:
     Section section;
-    MeanLimits largest_means;
   };
 
   /** The energy and the heat of cells that are removed; sums of this rank. */

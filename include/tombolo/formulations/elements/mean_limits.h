@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/state/material_points.h>
 
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,10 +21,11 @@ namespace tombolo
       damage
     };
 
-    /** Adds a limit that this entry sets; nothing: none. */
-    void add(const std::string &entry, const std::optional<double> &limit, const Of measure)
+    /** Reads an entry; empty: no limit. */
+    void add(const Entries &e, const Of measure, const std::string &entry,
+             const std::string &documentation)
     {
-      if (limit)
+      if (const auto limit = e.optional_number(entry, positive(), "1", documentation))
         limits.push_back({entry, *limit, measure, 0});
     }
 
