@@ -3,7 +3,6 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/flow_stress.h>
 #include <tombolo/materials/linear_elastic.h>
-#include <tombolo/materials/melting.h>
 
 #include <array>
 #include <memory>

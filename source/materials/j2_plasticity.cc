@@ -5,7 +5,6 @@
 #include <tombolo/materials/ductile_damage.h>
 #include <tombolo/materials/flow_stress.h>
 #include <tombolo/materials/linear_elastic.h>
-#include <tombolo/materials/melting.h>
 #include <tombolo/materials/radial_return_tangent.h>
 
 #include <deal.II/base/aligned_vector.h>

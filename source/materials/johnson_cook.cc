@@ -3,7 +3,7 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/simd/vector_math.h>
 #include <tombolo/materials/flow_stress.h>
-#include <tombolo/materials/melting.h>
+#include <tombolo/materials/material.h>
 
 #include <cmath>
 

@@ -4,7 +4,7 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/materials/melting.h>
+#include <tombolo/materials/material.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/simulation/energy_check.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/formulations/elements/conversion_criterion.h>
+#include <tombolo/formulations/elements/converting_cells.h>
 
 namespace tombolo
 {

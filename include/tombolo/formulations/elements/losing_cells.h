@@ -3,7 +3,6 @@
 
 #include <tombolo/base/energy_accounts.h>
 #include <tombolo/formulations/elements/cell_part.h>
-#include <tombolo/formulations/elements/conversion_criterion.h>
 #include <tombolo/formulations/elements/converting_cells.h>
 #include <tombolo/mesh/cell_quality.h>
 #include <tombolo/state/state_archive.h>
@@ -17,8 +16,6 @@
 
 namespace tombolo
 {
-  class StateArchive;
-
   /** Cells of a part on this rank that were removed or became particles, and their dissipation. */
   class LostCells
   {

@@ -6,7 +6,7 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/formulations/elements/cell_batches.h>
-#include <tombolo/formulations/elements/conversion_criterion.h>
+#include <tombolo/formulations/elements/converting_cells.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/smoothed/refill_settings.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
