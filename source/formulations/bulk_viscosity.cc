@@ -24,8 +24,7 @@ namespace tombolo
       return {};
     return {{"bulk viscosity pressure", "M/(L T^2)", FieldLocation::material_point, 1, true},
             {"bulk viscosity tangent", "M/(L T)", FieldLocation::material_point, 1, true, 0., true},
-            {dissipation_name, "M/(L T^2)", FieldLocation::material_point, 1, true, 0., false,
-             OnDivision::held}};
+            energy_field(dissipation_name)};
   }
 
   void BulkViscosity::initialize(const Material &material, const int dimension,

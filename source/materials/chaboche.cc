@@ -150,8 +150,8 @@ namespace tombolo
       std::vector<FieldDescription> fields(3 + terms.size());
       fields[effective_plastic_strain] = {"effective plastic strain", "1",
                                           FieldLocation::material_point, 1, true};
-      fields[plastic_work] = work("plastic work");
-      fields[stored_work] = work("pressure work");
+      fields[plastic_work] = energy_field("plastic work");
+      fields[stored_work] = energy_field("pressure work");
       for (std::size_t k = 0; k < terms.size(); ++k)
       {
         FieldDescription &field = fields[3 + k];
@@ -207,12 +207,6 @@ namespace tombolo
       stored_work,
       first_back_stress
     };
-
-    static FieldDescription work(const std::string &name)
-    {
-      return {name,  "M/(L T^2)",     FieldLocation::material_point, 1, true, 0.,
-              false, OnDivision::held};
-    }
 
     /** @p tangent is set, too, where it is not null. */
     void update(MaterialBatch &batch, const MaterialTangent *const tangent) const

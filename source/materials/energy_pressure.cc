@@ -42,10 +42,8 @@ namespace tombolo
 
   std::vector<FieldDescription> EnergyPressure::fields() const
   {
-    return {{"pressure work", "M/(L T^2)", FieldLocation::material_point, 1, true, 0., false,
-             OnDivision::held},
-            {"viscous work", "M/(L T^2)", FieldLocation::material_point, 1, true, 0., false,
-             OnDivision::held},
+    return {energy_field("pressure work"),
+            energy_field("viscous work"),
             {"bulk modulus", "M/(L T^2)", FieldLocation::material_point, 1, true, bulk_modulus(),
              true}};
   }

@@ -221,8 +221,7 @@ namespace tombolo
     {
       std::vector<FieldDescription> fields = {
           {"effective plastic strain", "1", FieldLocation::material_point, 1, true},
-          {"plastic work", "M/(L T^2)", FieldLocation::material_point, 1, true, 0., false,
-           OnDivision::held}};
+          energy_field("plastic work")};
       if (adiabatic.is_kept)
         fields.push_back({"temperature", "temperature", FieldLocation::material_point, 1, true,
                           adiabatic.initial_temperature});

@@ -202,8 +202,7 @@ namespace tombolo
     }
     static FieldDescription thermal_work_field()
     {
-      return {"thermal work", "M/(L T^2)",     FieldLocation::material_point, 1, true, 0.,
-              false,          OnDivision::held};
+      return energy_field("thermal work");
     }
 
     /** Of Young's modulus and Poisson's ratio; the largest over all temperatures. */

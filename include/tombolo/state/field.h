@@ -36,4 +36,10 @@ namespace tombolo
     /** Of a material, with 6 components: a tensor that turns with the body as the stress does. */
     bool turns = false;
   };
+
+  /** An energy per initial volume at each material point [M/(L T^2)]. */
+  inline FieldDescription energy_field(const std::string &name)
+  {
+    return {name, "M/(L T^2)", FieldLocation::material_point, 1, true, 0., false, OnDivision::held};
+  }
 } // namespace tombolo

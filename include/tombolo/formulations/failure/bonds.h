@@ -86,8 +86,7 @@ namespace tombolo
       if (!is_on())
         return {};
       return {{fraction_name, "1", FieldLocation::material_point, 1, true},
-              {dissipation_name, "M/(L T^2)", FieldLocation::material_point, 1, true, 0., false,
-               OnDivision::held}};
+              energy_field(dissipation_name)};
     }
 
     /** Sets the bonds to the initial neighbours with φ ≠ 0. Throws InputError for unfit points. */
