@@ -68,6 +68,16 @@ namespace tombolo
       equal_parts.clear();
       parts_of_other_material.clear();
     }
+    /** Those that this rank owns, in the order of Formulation::n_cells(). */
+    std::vector<typename Nodes<dim>::Cell> cells() const
+    {
+      std::vector<typename Nodes<dim>::Cell> result;
+      for (const auto &cell : nodes->dof_handler().active_cell_iterators())
+        if (cell->is_locally_owned() &&
+            (part_cells == nullptr || part_cells->part_of(cell) == index))
+          result.push_back(cell);
+      return result;
+    }
     /** Owned nodes whose motion is prescribed in some component; empty: none. */
     dealii::IndexSet prescribed_nodes;
     const VoidCells<dim> *void_cells =

@@ -80,19 +80,6 @@ namespace tombolo
       std::vector<std::vector<double>> shape_values;
     };
 
-    /** The cells of the part that this rank owns. */
-    template <int dim>
-    std::vector<typename DoFHandler<dim>::active_cell_iterator>
-    cells_of(const PartSetup<dim> &setup)
-    {
-      std::vector<typename DoFHandler<dim>::active_cell_iterator> cells;
-      for (const auto &cell : setup.nodes->dof_handler().active_cell_iterators())
-        if (cell->is_locally_owned() &&
-            (setup.part_cells == nullptr || setup.part_cells->part_of(cell) == setup.index))
-          cells.push_back(cell);
-      return cells;
-    }
-
     /** The nodes of cells, cell by cell. */
     template <int dim>
     std::vector<types::global_dof_index>
@@ -141,7 +128,7 @@ namespace tombolo
                                 const MassLumping lumping, const bool can_change,
                                 const unsigned int most_groups)
   {
-    const auto cells = cells_of(setup);
+    const auto cells = setup.cells();
     all_cell_count = cell_count = static_cast<unsigned int>(cells.size());
     this->can_change = can_change;
     this->most_groups = most_groups;

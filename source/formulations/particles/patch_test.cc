@@ -21,11 +21,8 @@ namespace tombolo
     orientation.clear();
     is_shared.clear();
     std::vector<types::global_dof_index> cell_nodes;
-    for (const auto &cell : all_nodes.dof_handler().active_cell_iterators())
+    for (const auto &cell : setup.cells())
     {
-      if (!cell->is_locally_owned() ||
-          (setup.part_cells != nullptr && setup.part_cells->part_of(cell) != setup.index))
-        continue;
       all_nodes.cell_nodes(cell, cell_nodes);
       for (const unsigned int face : cell->face_indices())
       {

@@ -2,7 +2,6 @@
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 
 #include <tombolo/formulations/smoothed/refilled_cells.h>
-#include <tombolo/mesh/cells_of_part.h>
 
 #include <deal.II/base/quadrature_lib.h>
 
@@ -285,7 +284,7 @@ namespace tombolo
   {
     std::vector<SmoothedCell<dim>> result;
     std::vector<Point<dim>> points;
-    for (const auto &cell : cells_of_part(*setup.nodes, *setup.part_cells, setup.index))
+    for (const auto &cell : setup.cells())
     {
       SmoothedCell<dim> found;
       setup.nodes->cell_nodes(cell, found.nodes);

@@ -12,8 +12,6 @@
 #include <tombolo/formulations/particles/zero_energy_control.h>
 #include <tombolo/mesh/nodes.h>
 
-#include <deal.II/base/mpi.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -40,11 +38,11 @@ namespace tombolo
                     setup.nodes->dependent_node(cell->vertex_dof_index(v, 0)))
               for (const auto &weight : row->weights)
                 referenced_nodes.push_back(weight.first);
-      bool has_some = false;
-      for (const dealii::types::global_dof_index node :
-           from_all_ranks(referenced_nodes, setup.communicator))
-        has_some = has_some || setup.nodes->dependent_node(node) != nullptr;
-      return dealii::Utilities::MPI::max(has_some ? 1 : 0, setup.communicator) == 1;
+      return any_of_all_ranks(
+          from_all_ranks(referenced_nodes, setup.communicator),
+          [&](const dealii::types::global_dof_index node)
+          { return setup.nodes->dependent_node(node) != nullptr; },
+          setup.communicator);
     }
   } // namespace internal
 
@@ -411,10 +409,8 @@ namespace tombolo
       NodalVector shift(partition_of(*nodes, nodes->relevant()), Quantity::scalar);
       const NodePartition &partition = *shift.partition();
       std::vector<dealii::types::global_dof_index> cell_nodes;
-      for (const auto &cell : nodes->dof_handler().active_cell_iterators())
+      for (const auto &cell : part_setup.cells())
       {
-        if (!cell->is_locally_owned() || part_setup.part_cells->part_of(cell) != part_setup.index)
-          continue;
         nodes->cell_nodes(cell, cell_nodes);
         const double volume = kappa * cell->measure() / (1u << (dim - 1));
         for (const unsigned int face : cell->face_indices())

@@ -338,10 +338,8 @@ namespace tombolo
       const Nodes<dim> &nodes = *setup.nodes;
       std::vector<dealii::types::global_dof_index> own, inner;
       std::vector<dealii::Point<dim>> points;
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+      for (const auto &cell : setup.cells())
       {
-        if (!cell->is_locally_owned() || setup.part_cells->part_of(cell) != setup.index)
-          continue;
         nodes.cell_nodes(cell, own);
         nodes.cell_points(cell, points);
         for (const unsigned int face : cell->face_indices())

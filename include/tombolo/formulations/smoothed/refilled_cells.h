@@ -106,7 +106,7 @@ namespace tombolo
     std::string cell_beside_void_cells(const PartSetup<dim> &setup)
     {
       std::string result;
-      for (const auto &cell : cells_of_part(*setup.nodes, *setup.part_cells, setup.index))
+      for (const auto &cell : setup.cells())
         for (const unsigned int face : cell->face_indices())
           for (unsigned int child = 0; child < FaceNodes<dim>::n_parts; ++child)
             if (result.empty() && cell->face(face)->has_children() &&
