@@ -256,11 +256,10 @@ namespace tombolo
       if (!setup.has_mechanics)
         return;
 
-      const std::vector<std::string> failures = texts_of_ranks(setup.communicator, this->failure());
-      for (const std::string &failure : failures)
-        if (!failure.empty())
-          throw InputError("The part \"" + setup.name +
-                           "\" cannot be made of this mesh: " + failure);
+      std::string failure = this->failure();
+      if (!failure.empty())
+        failure = "The part \"" + setup.name + "\" cannot be made of this mesh: " + failure;
+      throw_on_all_ranks<InputError>(failure, setup.communicator);
     }
 
     void courant_limits(const NodalVector &position, std::vector<double> &time_steps) const override

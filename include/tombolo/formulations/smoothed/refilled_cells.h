@@ -12,9 +12,6 @@
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/mesh/cells_of_part.h>
 
-#include <deal.II/base/mpi.h>
-
-#include <algorithm>
 #include <vector>
 
 namespace tombolo
@@ -95,10 +92,10 @@ namespace tombolo
     template <int dim>
     bool has_cells_with_further_nodes(const PartSetup<dim> &setup)
     {
-      bool result = false;
-      for (const SmoothedCell<dim> &cell : smoothed_cells_of(setup))
-        result = result || cell.has_further_nodes();
-      return dealii::Utilities::MPI::max(result ? 1 : 0, setup.communicator) != 0;
+      return any_of_all_ranks(
+          smoothed_cells_of(setup),
+          [](const SmoothedCell<dim> &cell) { return cell.has_further_nodes(); },
+          setup.communicator);
     }
 
     /** The centre of a full cell beside a smaller void one. Collective. */
@@ -180,9 +177,9 @@ namespace tombolo
                         " are void; allowed are void cells beside full ones of their own "
                         "size, or of half of it.",
                     "Refill void cells");
-    const auto &flags = voids.is_void_by_cell();
-    const bool has_full = std::find(flags.begin(), flags.end(), false) != flags.end();
-    if (dealii::Utilities::MPI::max(has_full ? 1 : 0, setup.communicator) == 0)
+    if (!any_of_all_ranks(
+            voids.is_void_by_cell(), [](const bool is_void_cell) { return !is_void_cell; },
+            setup.communicator))
       refill.refuse("all cells of the part are void; allowed is a predicate that is false "
                     "at the centre of some.",
                     "Refill void cells");
