@@ -7,17 +7,12 @@
 
 namespace tombolo
 {
-  namespace
-  {
-    const char *const damage_entry = "Damage";
-  } // namespace
-
   const std::string DamageGrowth::field_name = "damage";
 
   std::unique_ptr<const DamageGrowth> DamageGrowth::create(const Entries &e)
   {
     auto law = e.plugin<DuctileDamage>(
-        damage_entry, "none",
+        "Damage", "none",
         "Points have a damage $\\sum \\Delta\\varepsilon_p/\\varepsilon_f$ with the strain at "
         "failure $\\varepsilon_f$ of this law, for `Bond failure = damage`, `Erosion damage` and "
         "`Conversion damage`; it does not change the stress.",

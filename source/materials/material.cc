@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace tombolo
 {
@@ -56,70 +57,38 @@ namespace tombolo
     }
   }
 
-  namespace
-  {
-    /** The state of a batch before its update. */
-    class KeptBatch
-    {
-    public:
-      explicit KeptBatch(const MaterialBatch &batch)
-          : n(batch.n), values((12 + batch.internal_variables.size()) * batch.n)
-      {
-        for (unsigned int c = 0; c < 6; ++c)
-        {
-          std::copy_n(batch.stress[c], n, row_values(c));
-          std::copy_n(batch.strain_increment[c], n, row_values(6 + c));
-        }
-        for (std::size_t v = 0; v < batch.internal_variables.size(); ++v)
-          std::copy_n(batch.internal_variables[v], n, row_values(12 + v));
-      }
-
-      double *strain(const unsigned int component)
-      {
-        return row_values(6 + component);
-      }
-
-      void restore(MaterialBatch &batch)
-      {
-        for (unsigned int c = 0; c < 6; ++c)
-          std::copy_n(row_values(c), n, batch.stress[c]);
-        for (std::size_t v = 0; v < batch.internal_variables.size(); ++v)
-          std::copy_n(row_values(12 + v), n, batch.internal_variables[v]);
-      }
-
-    private:
-      double *row_values(const std::size_t row)
-      {
-        return values.data() + row * n;
-      }
-
-      unsigned int n;
-      dealii::AlignedVector<double> values;
-    };
-  } // namespace
-
   void Material::update_stress_and_tangent(MaterialBatch &batch,
                                            const MaterialTangent &tangent) const
   {
     constexpr double change = 1e-7;
-    KeptBatch kept(batch);
+    const unsigned int n = batch.n;
+    std::vector<double *> updated = batch.internal_variables;
+    updated.insert(updated.end(), batch.stress, batch.stress + 6);
+    dealii::AlignedVector<double> kept(updated.size() * n), strain(6 * n);
+    for (std::size_t v = 0; v < updated.size(); ++v)
+      std::copy_n(updated[v], n, kept.data() + v * n);
     MaterialBatch changed = batch;
     for (unsigned int c = 0; c < 6; ++c)
-      changed.strain_increment[c] = kept.strain(c);
+    {
+      changed.strain_increment[c] = strain.data() + c * n;
+      std::copy_n(batch.strain_increment[c], n, strain.data() + c * n);
+    }
     for (unsigned int column = 0; column < 6; ++column)
     {
-      for (unsigned int i = 0; i < batch.n; ++i)
-        kept.strain(column)[i] += change;
+      double *const changed_strain = strain.data() + column * n;
+      for (unsigned int i = 0; i < n; ++i)
+        changed_strain[i] += change;
       update_stress(changed);
       for (unsigned int row = 0; row < 6; ++row)
-        std::copy_n(batch.stress[row], batch.n, tangent[6 * row + column]);
-      std::copy_n(batch.strain_increment[column], batch.n, kept.strain(column));
-      kept.restore(batch);
+        std::copy_n(batch.stress[row], n, tangent[6 * row + column]);
+      std::copy_n(batch.strain_increment[column], n, changed_strain);
+      for (std::size_t v = 0; v < updated.size(); ++v)
+        std::copy_n(kept.data() + v * n, n, updated[v]);
     }
     update_stress(batch);
     for (unsigned int row = 0; row < 6; ++row)
       for (unsigned int column = 0; column < 6; ++column)
-        for (unsigned int i = 0; i < batch.n; ++i)
+        for (unsigned int i = 0; i < n; ++i)
         {
           double &entry = tangent[6 * row + column][i];
           entry = (entry - batch.stress[row][i]) / change;

@@ -5,6 +5,7 @@
 #include <tombolo/formulations/elements/split_number.h>
 #include <tombolo/state/node_partition.h>
 
+#include <bitset>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -22,10 +23,7 @@ namespace tombolo
     /** How many of the images the fragment of the particle is one with, itself among them. */
     unsigned int n_copies() const
     {
-      unsigned int result = 0;
-      for (std::uint64_t left = copies; left != 0; left >>= 1)
-        result += static_cast<unsigned int>(left & 1u);
-      return result;
+      return static_cast<unsigned int>(std::bitset<64>(copies).count());
     }
 
     /** Whether the image of @p other in @p mirrors (0: itself) is of the same fragment. */

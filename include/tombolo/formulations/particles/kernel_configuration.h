@@ -97,15 +97,8 @@ namespace tombolo
                         Stencils &shape)
     {
       ++steps_since_renewal;
-      switch (kind)
-      {
-      case Kind::total_lagrangian:
-        return false;
-      case Kind::current:
-        return true;
-      default:
-        break;
-      }
+      if (kind != Kind::updated_lagrangian)
+        return is_current();
       if (renewal_interval > 0 && steps_since_renewal >= renewal_interval)
         return true;
       // The measure needs a sweep and a reduction; every few steps is often enough, since a step
