@@ -2,11 +2,11 @@
 #include <tombolo/approximation/nodal_smoothing.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/simd/cross_product.h>
 #include <tombolo/base/simd/unroll.h>
 
 #include <cmath>
-#include <sstream>
 
 namespace tombolo
 {
@@ -50,10 +50,9 @@ namespace tombolo
 
       [[noreturn]] void throw_singular(const double *position)
       {
-        std::ostringstream message;
-        message << "The deformation since the kernel's reference is singular at the particle at ("
-                << position[0] << ", " << position[1] << ", " << position[2] << ").";
-        throw RunError(message.str());
+        throw RunError(
+            as_text("The deformation since the kernel's reference is singular at the particle at (",
+                    position[0], ", ", position[1], ", ", position[2], ")."));
       }
 
       /** Inverts F given by columns, and writes the rows of the inverse. Returns det F. */

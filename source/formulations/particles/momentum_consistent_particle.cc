@@ -169,10 +169,7 @@ namespace tombolo
       const BasisDefect &defect = defects->front();
       const unsigned int node = shape.particle_node[defect.row];
       std::ostringstream text;
-      text << "The particle at (";
-      for (unsigned int d = 0; d < dim; ++d)
-        text << (d > 0 ? ", " : "") << position[std::size_t(node) * node_stride + d];
-      text << ") has " << defect.n_neighbours
+      text << this->particle_at(defect.row, position) << " has " << defect.n_neighbours
            << " neighbours (itself included), which do not carry a linear basis at dilation "
            << support_dilation << ".";
       const double factor =

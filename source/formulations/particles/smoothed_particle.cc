@@ -13,7 +13,6 @@
 #include <array>
 #include <cmath>
 #include <memory>
-#include <sstream>
 
 namespace tombolo
 {
@@ -235,19 +234,12 @@ namespace tombolo
       if (defects == nullptr || defects->empty())
         return {};
       const auto &defect = defects->front();
-      const unsigned int node = this->shape.particle_node[defect.row];
-      std::ostringstream text;
-      text << "The particle at (";
-      for (unsigned int d = 0; d < dim; ++d)
-        text << (d > 0 ? ", " : "") << position[std::size_t(node) * node_stride + d];
-      text << ") has " << defect.n_neighbours
-           << " neighbours within two smoothing lengths, which do not carry a gradient at a "
-              "`Correction limit` of "
-           << correction_limit
-           << ". Allowed are larger lengths and smaller limits; where cells differ much in size, "
-              "the "
-              "largest ones decide.";
-      return text.str();
+      return as_text(this->particle_at(defect.row, position), " has ", defect.n_neighbours,
+                     " neighbours within two smoothing lengths, which do not carry a gradient at a "
+                     "`Correction limit` of ",
+                     correction_limit,
+                     ". Allowed are larger lengths and smaller limits; where cells differ much in "
+                     "size, the largest ones decide.");
     }
 
     std::shared_ptr<const Kernel> kernel;

@@ -3,6 +3,7 @@
 
 #include <tombolo/approximation/neighbourhoods.h>
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/formulations/particles/kernel_configuration.h>
 #include <tombolo/formulations/particles/particle_set.h>
@@ -336,6 +337,13 @@ namespace tombolo
     virtual void restrict_neighbours() {}
     /** The message of a row without a basis in the last fill() of the start; else empty. */
     virtual std::string describe_defects(const double *position, const double *support) const = 0;
+    /** "The particle at (1, 2, 3)", for messages. */
+    std::string particle_at(const unsigned int row, const double *const position) const
+    {
+      const double *const x = position + std::size_t(shape.particle_node[row]) * node_stride;
+      return "The particle at " +
+             position_text(dealii::Tensor<1, dim>(dealii::make_array_view(x, x + dim)));
+    }
 
     Section section;
     Stencils shape;
