@@ -375,8 +375,6 @@ namespace tombolo
     std::vector<types::global_dof_index> nodes;
     for (const Entry &entry : entries)
       nodes.push_back(entry.node);
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     node_set.add_indices(nodes.begin(), nodes.end());
     node_set.compress();
   }

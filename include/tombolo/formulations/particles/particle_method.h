@@ -105,8 +105,6 @@ namespace tombolo
       std::vector<dealii::types::global_dof_index> fibre_nodes;
       for (const SurfaceFibre &fibre : fibres)
         fibre_nodes.insert(fibre_nodes.end(), fibre.node.begin(), fibre.node.end());
-      // Adding one after the other would move the ranges behind each.
-      std::sort(fibre_nodes.begin(), fibre_nodes.end());
       nodes.add_indices(fibre_nodes.begin(), fibre_nodes.end());
       nodes.compress();
       return nodes;

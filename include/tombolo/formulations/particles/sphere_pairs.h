@@ -118,8 +118,7 @@ namespace tombolo
         return true;
       neighbourhoods.search(all_spheres.nodes, present_position, supports, communicator,
                             candidates);
-      std::vector<dealii::types::global_dof_index> near = neighbourhoods.global_nodes();
-      std::sort(near.begin(), near.end());
+      const auto &near = neighbourhoods.global_nodes();
       dealii::IndexSet required(nodes->owned().size());
       required.add_indices(near.begin(), near.end());
       own_partition = partition_of(*nodes, required, neighbourhoods.images());
