@@ -101,12 +101,9 @@ namespace tombolo
    * Finds the candidate neighbours J of particles I: |x_I - x_J| < a_J (1 + skin) on every axis.
    * Supports belong to J, the column.
    *
-   * Bins hold the candidates. A bin is as wide as the largest support it may hold; supports that
-   * differ by more than a factor of four go into bins of different levels. Only occupied bins
-   * exist, found through a hash table, so that neither empty space nor elongated bodies cost
-   * anything. Particles go through in groups of one bin: their common candidates are collected and
-   * sorted once, then tested against each. Memory is proportional to the particles and neighbours.
-   * Buffers are kept: a second search of the same size allocates nothing.
+   * Bins hold the candidates; supports that differ by more than a factor of four go into bins of
+   * different levels. Only occupied bins exist: memory is proportional to the particles and
+   * neighbours. Buffers are kept: a second search of the same size allocates nothing.
    */
   template <int dim>
   class NeighbourSearch

@@ -4,7 +4,6 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/materials/flow_stress.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace tombolo

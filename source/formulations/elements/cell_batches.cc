@@ -4,6 +4,7 @@
 
 #include <tombolo/formulations/elements/cell_batches.h>
 
+#include <algorithm>
 #include <map>
 
 namespace tombolo

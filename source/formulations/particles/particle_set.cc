@@ -5,7 +5,6 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 
-#include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_values.h>
 

@@ -7,7 +7,6 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/formulation.h>
 
-#include <algorithm>
 #include <vector>
 
 namespace tombolo

@@ -8,8 +8,6 @@
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/elements/element_modes.h>
 
-#include <deal.II/base/utilities.h>
-
 #include <algorithm>
 #include <vector>
 

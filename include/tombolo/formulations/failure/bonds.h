@@ -15,11 +15,9 @@
 #include <deal.II/base/symmetric_tensor.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <utility>
 #include <vector>
 
 namespace tombolo

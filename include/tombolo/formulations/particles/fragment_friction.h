@@ -10,7 +10,6 @@
 #include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/state_archive.h>
 
-#include <deal.II/base/mpi.h>
 #include <deal.II/base/tensor.h>
 
 #include <algorithm>
@@ -18,7 +17,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <tuple>
 #include <utility>

@@ -12,8 +12,6 @@
 #include <tombolo/mesh/image_conditions.h>
 #include <tombolo/state/records.h>
 
-#include <deal.II/base/mpi.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -15,7 +15,6 @@
 #include <iterator>
 #include <memory>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 namespace tombolo
