@@ -10,9 +10,8 @@ namespace tombolo
 {
   /**
    * A kernel w(r) of one normalized coordinate r = (x_J - x)/a_J, zero for |r| >= 1; on a cuboidal
-   * support the kernel is the product over the axes. Its scale is arbitrary, because it cancels
-   * in moving least squares. A plug-in; one virtual call evaluates the neighbours of a batch of
-   * particles.
+   * support the product over the axes. Its scale cancels in moving least squares. A plug-in; one
+   * virtual call evaluates the neighbours of a batch of particles.
    */
   class Kernel
   {

@@ -296,8 +296,7 @@ namespace tombolo
      * node_stride doubles per local node. @p nodes lists the local nodes that occur as particle or
      * neighbour. A particle with a defect has Shepard's functions, w_J/Σw, and no gradient. The
      * reference stays valid until the next call. With @p share_rows, rows that are the same are
-     * kept once (RowSharing), where that at least halves what is kept; the others then have their
-     * own.
+     * kept once (RowSharing), where that at least halves what is kept.
      */
     const std::vector<BasisDefect> &compute(const std::vector<unsigned int> &nodes,
                                             const double *position, const double *support,

@@ -23,11 +23,8 @@
 
 namespace tombolo
 {
-  /**
-   * A kernel of the distance, W(r) = α w(r/(2h)) with the smoothing length h, zero for r >= 2h. The
-   * factor α makes its integral over the plane or space one; it is computed by a quadrature, for
-   * any Kernel.
-   */
+  /** A kernel of the distance, W(r) = α w(r/(2h)) with the smoothing length h, zero for r >= 2h.
+   * The factor α makes its integral over the plane or space one, by a quadrature for any Kernel. */
   template <int dim>
   class RadialKernel
   {
@@ -148,9 +145,8 @@ namespace tombolo
      * node, of which only V⁰ in volume_slot counts [L^dim]. The rows of @p candidates have all
      * neighbours that can be within reach(); @p shape receives those that are, in their order, or
      * keeps all where both are the same object. @p nodes lists the local nodes that occur as
-     * particle or neighbour. @p volume holds the present V_I of each row, or nothing: V⁰_I. Buffers
-     * are kept: a second call of the same size allocates nothing. Returns the rows that cannot be
-     * corrected, ascending, valid until the next call.
+     * particle or neighbour. @p volume holds the present V_I of each row, or nothing: V⁰_I. Returns
+     * the rows that cannot be corrected, ascending, valid until the next call.
      */
     const std::vector<Defect> &compute(const std::vector<unsigned int> &nodes,
                                        const double *const position, const double *const support,

@@ -126,10 +126,8 @@ namespace tombolo
     void remove_negative_values(unsigned int i);
 
     /** Keeps all rows in single precision: φ, and each component of ∇φ, as multiples of a power of
-     * two of at most 2⁻²² of the largest in the row. Sums over the row stay: that of φ is one,
-     * those of ∇φ are zero, without round-off, so that momentum stays and a translation strains
-     * nothing.
-     */
+     * two of at most 2⁻²² of the largest in the row. Sums over the row stay, one of φ and zero of
+     * ∇φ, without round-off: momentum stays and a translation strains nothing. */
     void round();
 
   private:

@@ -21,8 +21,7 @@ namespace tombolo
   /**
    * The material points of one part and what makes their stress: material, strain measure,
    * artificial viscosity and heat. PointSweep advances them, PointStiffness has their elastic
-   * stiffness, LinearizedPoints their tangent; where points are and how they move is left to
-   * formulations.
+   * stiffness, LinearizedPoints their tangent; formulations place and move them.
    */
   class PartPoints
   {

@@ -113,9 +113,8 @@ namespace tombolo
 
   /**
    * A part of cells that conduct heat and have mass, and no stress: its nodes move as one rigid
-   * body (doc/rigid_bodies.md). There are no material points, no internal force, and no limit of
-   * the step of mechanics. Mass and capacity are lumped to the nodes as those of other elements of
-   * the degree.
+   * body (doc/rigid_bodies.md). There are no material points, internal forces or limits of the
+   * mechanical step. Mass and capacity are lumped to the nodes as by other elements of the degree.
    */
   template <int dim, unsigned int p>
   class RigidFormulation : public CellPart<dim, CellPoints<dim, RigidCell<dim, p>>>,

@@ -25,10 +25,7 @@ namespace tombolo
     }
   } // namespace
 
-  /**
-   * Rows of moving least squares in the reference of the kernels, or of averages over cells. Equal
-   * rows are kept once where that pays.
-   */
+  /** Rows of moving least squares in the reference of the kernels, or of averages over cells. */
   template <int dim>
   class LeastSquaresRows : public ParticleRows<dim>
   {

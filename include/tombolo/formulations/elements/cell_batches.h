@@ -132,9 +132,8 @@ namespace tombolo
       return local_nodes.data() + static_cast<std::size_t>(batch) * node_count * n_lanes;
     }
 
-    /** Initial positions of the nodes, in the order of nodes(), dim components each: component d of
-     * node k of batch b is the n_lanes numbers at ((b n_nodes + k) dim + d) n_lanes. Only until
-     * release_initial_positions(). */
+    /** Initial positions in the order of nodes(): component d of node k of batch b is the n_lanes
+     * numbers at ((b n_nodes + k) dim + d) n_lanes. Only until release_initial_positions(). */
     const double *initial_positions(const unsigned int batch) const
     {
       return positions.data() + static_cast<std::size_t>(batch) * node_count * dim * n_lanes;

@@ -14,13 +14,12 @@
 namespace tombolo
 {
   /**
-   * Hexahedron (quadrilateral) with one integration point: the mean gradient over the cell, exact
-   * in closed form, with hourglass control (Flanagan and Belytschko, Int. J. Numer. Meth. Engng 17,
-   * 679-706, 1981). The hourglass shape vectors
-   * γ_αI = (h_αI - Σ_j (Σ_J h_αJ x_jJ) b_jI) / √2^dim are orthogonal to linear fields in the
-   * current geometry; the generalized rate is q̇_iα = Σ_I γ_αI v_iI and the nodal force -Σ_α Q_iα
-   * γ_αI with Q̇ = k q̇ in the frame that turns with the material,
-   * k = κ/2 (K + 4G/3) Σ (V b_iI)² / V, in the initial geometry so that ½ Q²/k is an energy.
+   * Hexahedron (quadrilateral) with one integration point: the exact mean gradient over the cell,
+   * with hourglass control (Flanagan and Belytschko, Int. J. Numer. Meth. Engng 17, 679-706, 1981).
+   * The hourglass shape vectors γ_αI = (h_αI - Σ_j (Σ_J h_αJ x_jJ) b_jI) / √2^dim are orthogonal to
+   * linear fields in the current geometry; the generalized rate is q̇_iα = Σ_I γ_αI v_iI and the
+   * nodal force -Σ_α Q_iα γ_αI with Q̇ = k q̇ in the frame that turns with the material, k = κ/2 (K
+   * + 4G/3) Σ (V b_iI)² / V, in the initial geometry so that ½ Q²/k is an energy.
    */
   template <int dim>
   class OnePointHexahedron : public ElementDefaults

@@ -14,8 +14,7 @@ namespace tombolo
   /**
    * When the bond between two particles breaks: a function of a measure at both of them, of which
    * the mean counts, and of the stretch of the pair, its present over its initial distance. Both
-   * are the same seen from either end, so that every rank has the same result. In batches; it has
-   * no neighbourhoods.
+   * are the same seen from either end, and so on every rank. In batches; it has no neighbourhoods.
    */
   class BondFailure
   {

@@ -78,8 +78,7 @@ namespace tombolo
    * n_lanes pairs of the particle i of a row with particles j behind it, at the present positions.
    * Each pair of two particles of this rank stands in the rows of both, and is treated once: the
    * interaction is the sum of a half from either row. A ghost has its row on another rank, so that
-   * its half is zero here, and a rank needs only the position and the size of particles of another
-   * one.
+   * its half is zero here, and a rank needs only position and size of particles of another one.
    */
   template <int dim>
   struct RowPairs

@@ -17,8 +17,7 @@ namespace tombolo
    * How a refill carries fields over where a plug-in does it, which `Refill remap` names: nodes and
    * points that have moved get values at their new positions. The remap of the library itself,
    * `conservative`, keeps sums; of these remaps the refill accounts for what they change, and
-   * scales masses so that their sum stays. One object serves one part. All functions are
-   * collective.
+   * scales masses so that their sum stays. One object serves one part. Collective.
    */
   template <int dim>
   class ValueRemap
