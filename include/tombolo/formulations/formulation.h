@@ -126,6 +126,13 @@ namespace tombolo
      * end of the step, row by row; component d of node k is row and column dim k + d. */
     std::vector<double> matrix;
     std::vector<double> force; ///< f, by component of each node
+
+    /** The place of @p node among the nodes, which are ascending. */
+    std::size_t index_of(const unsigned int node) const
+    {
+      return static_cast<std::size_t>(std::lower_bound(nodes.begin(), nodes.end(), node) -
+                                      nodes.begin());
+    }
   };
 
   /** Called with groups of local node numbers. */

@@ -86,11 +86,9 @@ namespace tombolo
       for (unsigned int q = 0; q < n_points; ++q)
         for (unsigned int k = 0; k < rows[q].size; ++k)
         {
-          const auto index = std::lower_bound(equations.nodes.begin(), equations.nodes.end(),
-                                              rows[q].neighbour[k]) -
-                             equations.nodes.begin();
+          const std::size_t index = equations.index_of(rows[q].neighbour[k]);
           for (unsigned int d = 0; d < dim; ++d)
-            gradients_of_nodes[std::size_t(index) * width + q * dim + d] +=
+            gradients_of_nodes[index * width + q * dim + d] +=
                 rows[q].gradient[k * Stencils::n_gradient + d];
         }
       // ∂P/∂F · ∇φ_K by entry of P, component and node K.

@@ -530,7 +530,6 @@ namespace tombolo
     {
       if (!nodes->has_dependent_nodes())
         return;
-      const std::vector<Node> &numbers = particles.nodes();
       // A particle is in the rows of those that are in its own.
       constexpr double beyond = 1.01;
       std::vector<double> supports = particles.initial_supports();
@@ -538,11 +537,10 @@ namespace tombolo
         for (const Entry &entry : rows[i])
         {
           const Images::Map map = nodes->images()->map(entry.node.mirrors);
-          const auto particle = std::lower_bound(numbers.begin(), numbers.end(), entry.node.source);
-          const dealii::Point<dim> &source =
-              particle != numbers.end() && *particle == entry.node.source
-                  ? particles.initial_positions()[std::size_t(particle - numbers.begin())]
-                  : node_positions.at(entry.node.source);
+          const std::size_t particle = particles.index_of(entry.node.source);
+          const dealii::Point<dim> &source = particle < particles.size()
+                                                 ? particles.initial_positions()[particle]
+                                                 : node_positions.at(entry.node.source);
           for (unsigned int d = 0; d < dim; ++d)
           {
             const double other = map.sign[d] * source[d] + map.offset[d];

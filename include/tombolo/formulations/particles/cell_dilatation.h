@@ -247,11 +247,6 @@ namespace tombolo
                      CellEquations &equations) const
     {
       const std::size_t n_rows = equations.force.size();
-      const auto first_row_of = [&](const unsigned int node)
-      {
-        const auto found = std::lower_bound(equations.nodes.begin(), equations.nodes.end(), node);
-        return static_cast<std::size_t>(found - equations.nodes.begin()) * dim;
-      };
       const unsigned int lanes_of_particle = particle / n_lanes * n_lanes;
       const double mean_ratio = ratio(lanes_of_particle)[particle - lanes_of_particle];
       const double stress = terms.force / volume[particle];
@@ -265,7 +260,7 @@ namespace tombolo
         std::vector<dealii::Tensor<1, dim>> areas; // cof(F_c) g_cJ
         for (unsigned int k = 0; k < row.size; ++k)
         {
-          first_rows.push_back(first_row_of(row.neighbour[k]));
+          first_rows.push_back(equations.index_of(row.neighbour[k]) * dim);
           areas.emplace_back();
           for (unsigned int i = 0; i < dim; ++i)
             for (unsigned int j = 0; j < dim; ++j)

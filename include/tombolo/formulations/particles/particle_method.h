@@ -226,10 +226,9 @@ namespace tombolo
       std::vector<bool> gains;
       for (const dealii::types::global_dof_index node : set.nodes())
       {
-        const auto found = std::lower_bound(old_set.nodes().begin(), old_set.nodes().end(), node);
-        const bool is_old = found != old_set.nodes().end() && *found == node;
-        old_index.push_back(is_old ? static_cast<unsigned int>(found - old_set.nodes().begin())
-                                   : dealii::numbers::invalid_unsigned_int);
+        const std::size_t index = old_set.index_of(node);
+        old_index.push_back(index < old_set.size() ? static_cast<unsigned int>(index)
+                                                   : dealii::numbers::invalid_unsigned_int);
         // Local numbers of owned nodes are their indices among them.
         own_nodes.push_back(static_cast<unsigned int>(set.owned_nodes().index_within_set(node)));
         gains.push_back(state != nullptr && *state->volume.node(own_nodes.back()) > 0.);

@@ -218,15 +218,10 @@ namespace tombolo
       const std::size_t n_nodes = equations.nodes.size();
       const std::size_t dim = equations.force.size() / n_nodes;
       std::vector<double> weight(n_nodes, 0.);
-      const auto add = [&](const unsigned int node, const double value)
-      {
-        const auto found = std::lower_bound(equations.nodes.begin(), equations.nodes.end(), node);
-        weight[static_cast<std::size_t>(found - equations.nodes.begin())] += value;
-      };
       for (unsigned int n = 0; n < row.size; ++n)
       {
-        add(row.neighbour[n], row.value[n]);
-        add(own, -row.value[n]);
+        weight[equations.index_of(row.neighbour[n])] += row.value[n];
+        weight[equations.index_of(own)] -= row.value[n];
       }
       for (std::size_t a = 0; a < n_nodes; ++a)
         for (std::size_t d = 0; d < dim; ++d)
