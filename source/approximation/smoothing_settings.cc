@@ -131,5 +131,4 @@ namespace tombolo
     }
     return settings;
   }
-
 } // namespace tombolo
