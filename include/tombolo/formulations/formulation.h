@@ -80,8 +80,7 @@ namespace tombolo
     }
     /** Owned nodes whose motion is prescribed in some component; empty: none. */
     dealii::IndexSet prescribed_nodes;
-    const VoidCells<dim> *void_cells =
-        nullptr; ///< of a part of smoothed cells; null: there are none
+    const VoidCells<dim> *void_cells = nullptr; ///< of a part of smoothed cells; null: none
   };
 
   /** A bound on the time step, and the one cell or particle that sets it, on this rank. */

@@ -12,10 +12,9 @@ namespace tombolo
    * is 20 units. doc/performance.md says how the ratios were measured. */
   namespace StepCosts
   {
-    constexpr double per_node = 20.; ///< acceleration, motion and energies
-    constexpr double per_cell = 40.; ///< nodes gathered and forces added, geometry of a cell
-    constexpr double per_point =
-        17.; ///< strain and force of an element's point, without its stress
+    constexpr double per_node = 20.;  ///< acceleration, motion and energies
+    constexpr double per_cell = 40.;  ///< nodes gathered and forces added, geometry of a cell
+    constexpr double per_point = 17.; ///< of elements: strain and force, without the stress
 
     /** Of cells with nodes of this degree, whose work is @p per_cell each. */
     inline StepCost cell_cost(const unsigned int dim, const unsigned int degree,

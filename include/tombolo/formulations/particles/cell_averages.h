@@ -569,9 +569,8 @@ namespace tombolo
     ZeroEnergyControl control;
     const Nodes<dim> *nodes = nullptr;
     PartSetup<dim> part_setup;
-    std::vector<std::vector<Entry>> rows; // by particle, ascending by node
-    std::map<Node, dealii::Point<dim>>
-        node_positions; // of nodes of rows, and others; not of all particles
-    std::vector<double> accelerated_share, own_share; // by particle
+    std::vector<std::vector<Entry>> rows;              // by particle, ascending by node
+    std::map<Node, dealii::Point<dim>> node_positions; // of rows, and others; not of all particles
+    std::vector<double> accelerated_share, own_share;  // by particle
   };
 } // namespace tombolo

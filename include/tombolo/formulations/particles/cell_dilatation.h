@@ -60,9 +60,8 @@ namespace tombolo
     struct Cell
     {
       std::vector<Node> nodes;
-      std::vector<dealii::Tensor<1, dim>> gradient; ///< g_cJ [1/L]
-      std::vector<std::pair<unsigned int, double>>
-          shares; ///< particles of this rank and V_cI [L^dim]
+      std::vector<dealii::Tensor<1, dim>> gradient;        ///< g_cJ [1/L]
+      std::vector<std::pair<unsigned int, double>> shares; ///< own particles and V_cI [L^dim]
     };
 
     /** Resets to the cells around @p n_particles particles, which @p for_cells(use) passes to use;

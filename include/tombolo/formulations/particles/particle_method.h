@@ -395,8 +395,8 @@ namespace tombolo
       bonds.measure_rows(initial);
 
       at_start.set_partition(*partition, initial);
-      kernel.set_positions(position,
-                           initial); // owned nodes have the same numbers in all partitions
+      // Owned nodes have the same numbers in all partitions.
+      kernel.set_positions(position, initial);
       const std::vector<unsigned int> &particles = initial.particle_node;
       const NodalVector present =
           nodal_field(partition, Quantity::position, particles,
