@@ -4,10 +4,6 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/read_vector.h>
 
-#include <deal.II/base/exceptions.h>
-#include <deal.II/base/mpi.h>
-#include <deal.II/physics/transformations.h>
-
 #include <algorithm>
 #include <iterator>
 #include <tuple>
@@ -113,7 +109,7 @@ namespace tombolo
                [&]
                {
                  this->for_each_node(nodes, select_node);
-                 this->for_each_face(nodes, select_face);
+                 nodes.for_each_face(&Base::is_at_boundary, select_face);
                });
     for (const auto &[node, constraint] : constraints_by_node)
       constraints.push_back(constraint);

@@ -258,7 +258,7 @@ namespace tombolo
           if (earlier < later && !are_compatible(conditions[earlier].type, conditions[later].type))
             ++n_conflicts[later * conditions.size() + earlier];
     };
-    this->for_each_face(nodes, select);
+    nodes.for_each_face(&Base::is_at_boundary, select);
     return n_conflicts;
   }
 

@@ -2,7 +2,6 @@
 #include <tombolo/contact/part_surface.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/state/records.h>
 
 #include <deal.II/base/mpi.h>

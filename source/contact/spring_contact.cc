@@ -3,7 +3,6 @@
 
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/contact/nodal_geometry.h>
 
 #include <algorithm>
 #include <array>

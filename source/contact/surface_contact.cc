@@ -2,7 +2,6 @@
 #include <tombolo/contact/surface_contact.h>
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/contact/nodal_geometry.h>
 
 #include <utility>
 

@@ -3,46 +3,17 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/expression.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/contact/contact_heat.h>
 #include <tombolo/contact/contact_settings.h>
-#include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/mesh/boundary_names.h>
+#include <tombolo/mesh/region.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
-#include <optional>
 
 namespace tombolo
 {
-  namespace
-  {
-    /** Marks owned nodes on outer faces: of these ids, or of any if there are none. */
-    template <int dim>
-    void mark_surface_nodes(const Nodes<dim> &nodes, const NodePartition &partition,
-                            const std::set<types::boundary_id> &boundaries, std::vector<bool> &mark)
-    {
-      std::vector<types::global_dof_index> cell_nodes;
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-      {
-        if (cell->is_artificial() || !cell->at_boundary())
-          continue;
-        nodes.cell_nodes(cell, cell_nodes);
-        for (const unsigned int f : cell->face_indices())
-        {
-          if (!nodes.is_outer_face(cell, f) ||
-              (!boundaries.empty() && boundaries.count(cell->face(f)->boundary_id()) == 0))
-            continue;
-          for (const unsigned int k : nodes.face_node_indices(f))
-            if (nodes.owned().is_element(cell_nodes[k]))
-              mark[partition.local_index(cell_nodes[k])] = true;
-        }
-      }
-    }
-  } // namespace
-
   template <int dim>
   std::unique_ptr<ContactSurface<dim>> ContactScene<dim>::create_surface(const Section &section)
   {
@@ -80,13 +51,7 @@ namespace tombolo
           });
     if (has_heat)
       parameters.attempt([&] { HeatPartner partner(section, is_of_part); });
-    parameters.attempt(
-        [&]
-        {
-          if (!section.get("Where").empty())
-            Predicate<dim> where(section, "Where");
-          section.get("Boundary");
-        });
+    parameters.attempt([&] { Region<dim>(section, true); });
   }
 
   template <int dim>
@@ -105,23 +70,30 @@ namespace tombolo
     std::vector<bool> is_candidate(partition.n_owned(), false);
     if (section.get("Boundary").empty())
       is_candidate = can_be_exposed;
-    mark_surface_nodes(nodes, partition, boundaries, is_candidate);
+    nodes.for_each_boundary_node(
+        [&](const auto &cell, const unsigned int f)
+        {
+          return nodes.is_outer_face(cell, f) &&
+                 (boundaries.empty() || boundaries.count(cell->face(f)->boundary_id()) > 0);
+        },
+        [&](const types::global_dof_index node)
+        {
+          if (nodes.owned().is_element(node))
+            is_candidate[partition.local_index(node)] = true;
+        });
 
-    std::optional<Predicate<dim>> where;
-    if (!section.get("Where").empty())
-      where.emplace(section, "Where");
+    const Region<dim> where(section, true);
     std::vector<unsigned int> result;
     attempt_on_all_ranks<InputError>(
         nodes.communicator(),
         [&]
         {
           for (unsigned int i = 0; i < partition.n_owned(); ++i)
-            if (is_candidate[i] &&
-                (!where || (*where)(Point<dim>(vector_of<dim>(state.initial_position.node(i))))))
+            if (is_candidate[i] && where.contains(point_of<dim>(state.initial_position.node(i))))
               result.push_back(i);
         });
     if (Utilities::MPI::sum(result.size(), nodes.communicator()) == 0)
-      section.fail(where ? "Where" : "Boundary",
+      section.fail(section.get("Where").empty() ? "Boundary" : "Where",
                    "no node can touch; the contact would do nothing.");
     return result;
   }

@@ -4,16 +4,14 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/extent.h>
+#include <tombolo/mesh/region.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <set>
 #include <sstream>
 
@@ -35,9 +33,7 @@ namespace tombolo
                                                      const Nodes<dim> &nodes,
                                                      const NodePoints<dim> &all_nodes)
     {
-      std::optional<Predicate<dim>> where;
-      if (!section.get("Where").empty())
-        where.emplace(section, "Where");
+      const Region<dim> where(section, false);
       std::set<types::global_dof_index> candidates;
       if (section.get("Boundary").empty())
         for (const auto &node : all_nodes)
@@ -45,21 +41,10 @@ namespace tombolo
       else
       {
         const std::set<types::boundary_id> boundaries = boundary_ids(mesh, section, "Boundary");
-        std::vector<types::global_dof_index> cell_nodes;
-        for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-        {
-          if (cell->is_artificial())
-            continue;
-          for (const unsigned int f : cell->face_indices())
-          {
-            if (!cell->face(f)->at_boundary() ||
-                boundaries.count(cell->face(f)->boundary_id()) == 0)
-              continue;
-            nodes.cell_nodes(cell, cell_nodes);
-            for (const unsigned int k : nodes.face_node_indices(f))
-              candidates.insert(cell_nodes[k]);
-          }
-        }
+        nodes.for_each_boundary_node([&](const auto &cell, const unsigned int f)
+                                     { return boundaries.count(cell->face(f)->boundary_id()) > 0; },
+                                     [&](const types::global_dof_index node)
+                                     { candidates.insert(node); });
       }
       std::set<types::global_dof_index> selected;
       attempt_on_all_ranks<InputError>(nodes.communicator(),
@@ -69,7 +54,7 @@ namespace tombolo
                                          {
                                            const auto point = all_nodes.find(node);
                                            if (point != all_nodes.end() &&
-                                               (!where || (*where)(point->second)))
+                                               where.contains(point->second))
                                              selected.insert(node);
                                          }
                                        });
@@ -182,11 +167,7 @@ namespace tombolo
   template <int dim>
   void validate_images(const Section &condition)
   {
-    if (!condition.get("Where").empty())
-      Predicate<dim> where(condition, "Where");
-    else if (condition.get("Boundary").empty())
-      condition.fail("", "a condition needs `Where`, a predicate such as \"x < 1e-9\", or "
-                         "`Boundary`, the name of a boundary.");
+    Region<dim>(condition, false);
     if (condition.is_set("Function"))
       condition.fail("Function", "a plane of symmetry needs no function.");
   }

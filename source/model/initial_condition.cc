@@ -7,7 +7,6 @@
 #include <tombolo/base/input/read_vector.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/base/symmetric_tensors.h>
-#include <tombolo/boundary/region.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 

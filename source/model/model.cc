@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/model.h>
 
-#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/mesh/image_conditions.h>
 #include <tombolo/model/equal_parts.h>
 #include <tombolo/model/hanging_nodes.h>

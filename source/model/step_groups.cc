@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/step_groups.h>
 
-#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
 
 #include <algorithm>

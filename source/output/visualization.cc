@@ -114,12 +114,7 @@ namespace tombolo
         if (view.heat != nullptr)
           temperatures.push_back(*view.heat->present_temperature.node(node));
         if (view.exact_temperature)
-        {
-          Point<dim> location;
-          for (unsigned int d = 0; d < dim; ++d)
-            location[d] = initial[d];
-          exact_temperatures.push_back(view.exact_temperature(location, view.time));
-        }
+          exact_temperatures.push_back(view.exact_temperature(point_of<dim>(initial), view.time));
       }
 
       void write_to(VtuPiece &piece)

@@ -5,9 +5,9 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/base/simd/cross_product.h>
-#include <tombolo/boundary/region.h>
 #include <tombolo/mesh/face_shapes.h>
 #include <tombolo/mesh/nodes.h>
+#include <tombolo/mesh/region.h>
 #include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/node_partition.h>
 
@@ -418,33 +418,9 @@ namespace tombolo
       }
     }
 
-    /** Calls action(cell, face, nodes, points) for the faces of owned cells at the boundary, with
-     * the nodes of the face and their initial positions. */
-    template <typename Action>
-    void for_each_face(const Nodes<dim> &nodes, const Action &action)
+    static bool is_at_boundary(const Cell &cell, const unsigned int face)
     {
-      std::vector<dealii::types::global_dof_index> cell_nodes, face_nodes;
-      std::vector<dealii::Point<dim>> cell_points, face_points;
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-      {
-        if (!cell->is_locally_owned() || !cell->at_boundary())
-          continue;
-        nodes.cell_nodes(cell, cell_nodes);
-        nodes.cell_points(cell, cell_points);
-        for (const unsigned int f : cell->face_indices())
-        {
-          if (!cell->face(f)->at_boundary())
-            continue;
-          face_nodes.clear();
-          face_points.clear();
-          for (const unsigned int k : nodes.face_node_indices(f))
-          {
-            face_nodes.push_back(cell_nodes[k]);
-            face_points.push_back(cell_points[k]);
-          }
-          action(cell, f, face_nodes, face_points);
-        }
-      }
+      return cell->at_boundary(face);
     }
 
     /** Whether condition @p c, which is on faces, selects one; then it is counted. */

@@ -6,7 +6,6 @@
 #include <tombolo/base/moment.h>
 #include <tombolo/boundary/conditions.h>
 #include <tombolo/boundary/prescribed_frame.h>
-#include <tombolo/boundary/region.h>
 #include <tombolo/state/nodal_state.h>
 #include <tombolo/state/oblique_nodes.h>
 

@@ -5,7 +5,6 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/boundary/conditions.h>
 #include <tombolo/boundary/limited_function.h>
-#include <tombolo/boundary/region.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <memory>

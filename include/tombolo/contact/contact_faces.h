@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/base/on_ranks.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surfaces/facet_list.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_vector.h>
@@ -95,32 +94,24 @@ namespace tombolo
     {
       const auto is_exposed = [&](const Cell &cell, const unsigned int f)
       { return is_gone && !cell->at_boundary(f) && is_gone(cell->neighbor(f)); };
-      std::vector<dealii::types::global_dof_index> cell_nodes;
-      std::vector<dealii::Point<dim>> points;
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+      const auto is_of_side = [&](const Cell &cell, const unsigned int f)
       {
-        if (!cell->is_locally_owned() || (is_gone ? is_gone(cell) : !cell->at_boundary()))
-          continue;
-        nodes.cell_nodes(cell, cell_nodes);
-        nodes.cell_points(cell, points);
-        for (const unsigned int f : cell->face_indices())
-        {
-          if (!(nodes.is_outer_face(cell, f) || is_exposed(cell, f)) || !selects(cell, f))
-            continue;
-          const std::vector<unsigned int> &indices = nodes.face_node_indices(f);
-          Face face;
-          FaceCorners<dim> corners;
-          for (unsigned int k = 0; k < n_corners; ++k)
-          {
-            face.global_nodes[k] = cell_nodes[indices[k]];
-            corners[k] = points[indices[k]];
-          }
-          const dealii::Tensor<1, dim> area = area_vector<dim>(corners);
-          face.orientation = area * (cell->face(f)->center() - cell->center()) > 0. ? 1. : -1.;
-          face.thickness = cell->measure() / area.norm();
-          all.push_back(face);
-        }
-      }
+        return (nodes.is_outer_face(cell, f) || is_exposed(cell, f)) &&
+               !(is_gone && is_gone(cell)) && selects(cell, f);
+      };
+      const auto add = [&](const Cell &cell, const unsigned int f, const auto &face_nodes,
+                           const auto &face_points)
+      {
+        Face face;
+        FaceCorners<dim> corners;
+        std::copy_n(face_nodes.begin(), n_corners, face.global_nodes.begin());
+        std::copy_n(face_points.begin(), n_corners, corners.begin());
+        const dealii::Tensor<1, dim> area = area_vector<dim>(corners);
+        face.orientation = area * (cell->face(f)->center() - cell->center()) > 0. ? 1. : -1.;
+        face.thickness = cell->measure() / area.norm();
+        all.push_back(face);
+      };
+      nodes.for_each_face(is_of_side, add);
     }
 
     /** Translates node numbers to those of @p partition. Collective. */

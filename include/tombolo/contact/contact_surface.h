@@ -4,7 +4,6 @@
 #include <deal.II/base/tensor.h>
 
 #include <tombolo/base/input/registry.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surfaces/facet_list.h>
 #include <tombolo/contact/surfaces/rigid_translation.h>
 #include <tombolo/state/nodal_vector.h>

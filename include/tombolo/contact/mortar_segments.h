@@ -4,7 +4,6 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/contact/contact_faces.h>
 #include <tombolo/contact/contact_stiffness.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/pairing.h>
 #include <tombolo/contact/surfaces/facet_list.h>
 #include <tombolo/state/nodal_vector.h>

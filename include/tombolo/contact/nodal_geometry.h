@@ -11,16 +11,6 @@
 
 namespace tombolo
 {
-  /** The first dim components of the values at a node. */
-  template <int dim>
-  dealii::Tensor<1, dim> vector_of(const double *node)
-  {
-    dealii::Tensor<1, dim> result;
-    for (unsigned int d = 0; d < dim; ++d)
-      result[d] = node[d];
-    return result;
-  }
-
   /** @p arm × @p force, in two dimensions about z. */
   template <int dim>
   dealii::Tensor<1, 3> torque(const dealii::Tensor<1, dim> &arm,

@@ -5,7 +5,6 @@
 #include <deal.II/base/types.h>
 
 #include <tombolo/base/simd/cross_product.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/mesh/face_shapes.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_vector.h>
@@ -42,7 +41,7 @@ namespace tombolo
     void select_faces(const Nodes<dim> &nodes, const IsVoid &is_void)
     {
       faces.clear();
-      const auto is_outside = [&](const typename Nodes<dim>::Cell &cell, const unsigned int face)
+      const auto is_outside = [&](const auto &cell, const unsigned int face)
       {
         if (cell->at_boundary(face))
           return nodes.is_outer_face(cell, face) &&
@@ -50,35 +49,19 @@ namespace tombolo
         return boundaries.empty() && cell->neighbor(face)->is_active() &&
                is_void(cell->neighbor(face));
       };
-      std::vector<dealii::types::global_dof_index> cell_nodes;
-      std::vector<dealii::Point<dim>> cell_points;
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-      {
-        if (!cell->is_locally_owned() || is_void(cell))
-          continue;
-        cell_nodes.clear();
-        for (const unsigned int f : cell->face_indices())
-        {
-          if (!is_outside(cell, f))
-            continue;
-          if (cell_nodes.empty())
+      nodes.for_each_face(
+          [&](const auto &cell, const unsigned int f)
+          { return is_outside(cell, f) && !is_void(cell); },
+          [&](const auto &cell, const unsigned int f, const auto &face_nodes,
+              const auto &face_points)
           {
-            nodes.cell_nodes(cell, cell_nodes);
-            nodes.cell_points(cell, cell_points);
-          }
-          const std::vector<unsigned int> &indices = nodes.face_node_indices(f);
-          Face face;
-          for (const unsigned int k : indices)
-            face.global_nodes.push_back(cell_nodes[k]);
-          dealii::Tensor<1, dim> normal;
-          for (unsigned int q = 0; q < shapes.weights.size(); ++q)
-            normal += shapes.weights[q] * shapes.normal(q, [&](const unsigned int k)
-                                                        { return cell_points[indices[k]]; });
-          const dealii::Tensor<1, dim> outward = cell->face(f)->center() - cell->center();
-          face.orientation = normal * outward > 0. ? 1. : -1.;
-          faces.push_back(face);
-        }
-      }
+            dealii::Tensor<1, dim> normal;
+            for (unsigned int q = 0; q < shapes.weights.size(); ++q)
+              normal += shapes.weights[q] *
+                        shapes.normal(q, [&](const unsigned int k) { return face_points[k]; });
+            const dealii::Tensor<1, dim> outward = cell->face(f)->center() - cell->center();
+            faces.push_back({face_nodes, {}, normal * outward > 0. ? 1. : -1.});
+          });
     }
 
     /** Translates node numbers to those of @p partition, and forgets isolated nodes. Collective. */

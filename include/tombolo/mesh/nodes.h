@@ -28,7 +28,6 @@ namespace tombolo
     using Cell = typename dealii::DoFHandler<dim>::active_cell_iterator;
 
     Nodes(const Mesh<dim> &mesh, unsigned int degree);
-    ~Nodes();
 
     unsigned int degree() const
     {
@@ -68,6 +67,49 @@ namespace tombolo
       return indices_by_face[face];
     }
 
+    /** Calls @p visit(node) for the nodes of the faces at the boundary that @p selects(cell, face),
+     * of owned and ghost cells: global numbers, some repeatedly. */
+    template <typename Selects, typename Visit>
+    void for_each_boundary_node(const Selects &selects, const Visit &visit) const
+    {
+      std::vector<dealii::types::global_dof_index> numbers;
+      for (const auto &cell : handler.active_cell_iterators())
+        if (!cell->is_artificial() && cell->at_boundary())
+          for (const unsigned int f : cell->face_indices())
+            if (cell->at_boundary(f) && selects(cell, f))
+            {
+              cell_nodes(cell, numbers);
+              for (const unsigned int k : indices_by_face[f])
+                visit(numbers[k]);
+            }
+    }
+
+    /** Calls @p visit(cell, face, nodes, points) for the faces of owned cells that
+     * @p selects(cell, face), with the nodes of the face and their initial positions. */
+    template <typename Selects, typename Visit>
+    void for_each_face(const Selects &selects, const Visit &visit) const
+    {
+      std::vector<dealii::types::global_dof_index> numbers, face_numbers;
+      std::vector<dealii::Point<dim>> points, face_points;
+      for (const auto &cell : handler.active_cell_iterators())
+        if (cell->is_locally_owned())
+          for (const unsigned int f : cell->face_indices())
+          {
+            if (!selects(cell, f))
+              continue;
+            cell_nodes(cell, numbers);
+            cell_points(cell, points);
+            face_numbers.clear();
+            face_points.clear();
+            for (const unsigned int k : indices_by_face[f])
+            {
+              face_numbers.push_back(numbers[k]);
+              face_points.push_back(points[k]);
+            }
+            visit(cell, f, face_numbers, face_points);
+          }
+    }
+
     /** Images of the mesh, which continue the body. */
     void set_images(std::shared_ptr<const Images> images)
     {
@@ -88,7 +130,10 @@ namespace tombolo
       return dependent;
     }
 
-    bool has_dependent_nodes() const; ///< on any rank
+    bool has_dependent_nodes() const ///< on any rank
+    {
+      return are_any_dependent;
+    }
     /** The row of a node; null where it does not depend on others, or is not relevant here. */
     const DependentNode *dependent_node(dealii::types::global_dof_index node) const;
     /** Initial positions of the nodes on which dependent_nodes() depend, as far as this rank has
@@ -122,6 +167,28 @@ namespace tombolo
     std::vector<DependentNode> dependent;
     bool are_any_dependent = false;
   };
+
+  /** Sets the flags of ghost cells to those that their owners have. Flags are by the index of
+   * active cells. Collective. */
+  template <int dim>
+  void update_ghost_flags(const Nodes<dim> &nodes, std::vector<bool> &flags);
+
+  /** The largest diameter of a cell [L]. Collective. */
+  template <int dim>
+  double largest_cell_diameter(const Nodes<dim> &nodes);
+
+  /** The cells of a part that this rank owns, in the order of active cells of the triangulation:
+   * that of Formulation::n_cells(). */
+  template <int dim>
+  std::vector<typename Nodes<dim>::Cell>
+  cells_of_part(const Nodes<dim> &nodes, const PartCells<dim> &part_cells, const unsigned int part)
+  {
+    std::vector<typename Nodes<dim>::Cell> cells;
+    for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+      if (cell->is_locally_owned() && part_cells.part_of(cell) == part)
+        cells.push_back(cell);
+    return cells;
+  }
 
   extern template class Nodes<2>;
   extern template class Nodes<3>;

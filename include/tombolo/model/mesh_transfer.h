@@ -4,7 +4,6 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/mesh/cell_divisions.h>
-#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/point_transfer.h>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/mesh/cell_divisions.h>
-#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_checkpoint.h>
 #include <tombolo/state/archive_rows.h>

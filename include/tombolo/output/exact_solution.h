@@ -6,7 +6,6 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/boundary/region.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/state/records.h>
 

@@ -6,7 +6,6 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/number.h>
 #include <tombolo/base/on_ranks.h>
-#include <tombolo/boundary/region.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/joined_meshes.h>
@@ -260,17 +259,14 @@ namespace tombolo
             std::set<dealii::types::boundary_id> boundaries;
             if (!boundary.empty())
               boundaries = boundary_ids(*view.mesh, this->section, "Boundary");
-            std::vector<dealii::types::global_dof_index> cell_nodes;
-            for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-              for (const unsigned int f : cell->face_indices())
-                if (!cell->is_artificial() && cell->face(f)->at_boundary() &&
-                    boundaries.count(cell->face(f)->boundary_id()) > 0)
+            nodes.for_each_boundary_node(
+                [&](const auto &cell, const unsigned int f)
+                { return boundaries.count(cell->face(f)->boundary_id()) > 0; },
+                [&](const dealii::types::global_dof_index node)
                 {
-                  nodes.cell_nodes(cell, cell_nodes);
-                  for (const unsigned int k : nodes.face_node_indices(f))
-                    if (nodes.owned().is_element(cell_nodes[k]))
-                      is_in_region[partition.local_index(cell_nodes[k])] = true;
-                }
+                  if (nodes.owned().is_element(node))
+                    is_in_region[partition.local_index(node)] = true;
+                });
             for (unsigned int i = 0; i < partition.n_owned(); ++i)
             {
               const std::uint64_t number = nodes.persistent_ids()[i];

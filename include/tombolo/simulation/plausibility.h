@@ -3,7 +3,6 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>

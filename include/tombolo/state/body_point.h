@@ -6,7 +6,7 @@
 
 #include <tombolo/base/format.h>
 #include <tombolo/base/on_ranks.h>
-#include <tombolo/mesh/cells_of_part.h>
+#include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>
 #include <tombolo/state/records.h>
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deal.II/base/aligned_vector.h>
+#include <deal.II/base/point.h>
 
 #include <tombolo/state/node_partition.h>
 
@@ -155,6 +156,21 @@ namespace tombolo
     Quantity kind = Quantity::scalar;
     unsigned int slots = 0;
   };
+
+  /** The first dim components of the values at a node; point_of() is the same of a position. */
+  template <int dim>
+  dealii::Tensor<1, dim> vector_of(const double *node)
+  {
+    dealii::Tensor<1, dim> result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] = node[d];
+    return result;
+  }
+  template <int dim>
+  dealii::Point<dim> point_of(const double *node)
+  {
+    return dealii::Point<dim>(vector_of<dim>(node));
+  }
 
   /** Updates the ghosts of @p vectors, of which @p change() has changed owned values. Collective.
    */

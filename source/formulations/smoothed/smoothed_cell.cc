@@ -2,6 +2,7 @@
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 
 #include <tombolo/formulations/smoothed/refilled_cells.h>
+#include <tombolo/mesh/nodes.h>
 
 #include <deal.II/base/quadrature_lib.h>
 

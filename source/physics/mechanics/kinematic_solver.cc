@@ -3,7 +3,6 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/simd/vectorization.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/model/model.h>
 
 #include <deal.II/base/mpi.h>

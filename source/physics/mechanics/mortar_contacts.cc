@@ -6,7 +6,6 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/mesh/boundary_names.h>
-#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/tangent.h>

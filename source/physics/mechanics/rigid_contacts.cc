@@ -6,7 +6,6 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/on_ranks.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/moving_parts.h>
@@ -191,10 +190,10 @@ namespace tombolo
       if (was_left)
         return {};
       const std::vector<unsigned int> nodes = contact.nodes_in_contact();
-      const auto outside = std::find_if(
-          nodes.begin(), nodes.end(),
-          [&](const unsigned int node)
-          { return !is_inside(Point<dim>(vector_of<dim>(state.initial_position.node(node)))); });
+      const auto outside =
+          std::find_if(nodes.begin(), nodes.end(),
+                       [&](const unsigned int node)
+                       { return !is_inside(point_of<dim>(state.initial_position.node(node))); });
       std::string exit_text;
       if (outside != nodes.end())
         exit_text = position_text(vector_of<dim>(state.position.node(*outside)));

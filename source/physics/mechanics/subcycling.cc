@@ -2,7 +2,7 @@
 #include <tombolo/physics/mechanics/subcycling.h>
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/mesh/cells_of_part.h>
+#include <tombolo/mesh/nodes.h>
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 

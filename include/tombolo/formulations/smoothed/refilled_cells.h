@@ -10,7 +10,7 @@
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/smoothed/refill_settings.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
-#include <tombolo/mesh/cells_of_part.h>
+#include <tombolo/mesh/nodes.h>
 
 #include <vector>
 

@@ -4,7 +4,6 @@
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/formulations/elements/converting_cells.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
-#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/internal_power.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/remeshing/cell_marks.h>

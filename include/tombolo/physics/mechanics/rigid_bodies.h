@@ -4,7 +4,6 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/moment.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>

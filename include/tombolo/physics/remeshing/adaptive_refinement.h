@@ -7,10 +7,9 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/contact/contact_settings.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/mesh/cell_divisions.h>
-#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/mesh/mesh.h>
+#include <tombolo/mesh/nodes.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/point_transfer.h>
 #include <tombolo/model/process.h>

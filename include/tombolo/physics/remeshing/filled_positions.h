@@ -3,7 +3,6 @@
 
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/formulations/smoothed/smoothed_cells.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/remeshing/cell_filling.h>

@@ -4,7 +4,6 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/formulations/smoothed/refill_settings.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/remesh/cell_simplices.h>
@@ -158,8 +157,7 @@ namespace tombolo
       result.fill(
           [&](const unsigned int i, double *const coordinates)
           {
-            const dealii::Tensor<1, dim> node_way =
-                way(dealii::Point<dim>(vector_of<dim>(initial.node(i))));
+            const dealii::Tensor<1, dim> node_way = way(point_of<dim>(initial.node(i)));
             for (unsigned int d = 0; d < dim && is_on(); ++d)
               coordinates[d] += node_way[d];
           });

@@ -14,16 +14,6 @@
 
 namespace tombolo
 {
-  /** The coordinates of a node of a NodalVector. */
-  template <int dim>
-  dealii::Point<dim> point_of(const double *node)
-  {
-    dealii::Point<dim> point;
-    for (unsigned int d = 0; d < dim; ++d)
-      point[d] = node[d];
-    return point;
-  }
-
   /** Where a condition acts: the entries `Where`, a predicate of the initial position, and
    * `Boundary`, names of boundaries, of its section. If both are given both must hold. */
   template <int dim>
