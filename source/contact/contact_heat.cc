@@ -167,14 +167,11 @@ namespace tombolo
     }
     if (surface == nullptr)
       return;
-    std::vector<double> part_capacities;
-    for (std::size_t a = 1; a < part_values.size(); a += 2)
-      part_capacities.push_back(part_values[a]);
-    std::vector<const typename PartSurface<dim>::ContactPoint *> contact_points;
+    std::vector<std::size_t> touching;
     for (const Touch &touch : touches)
-      contact_points.push_back(&surface->contact_point(touch.candidate));
-    const std::vector<double> crowding =
-        surface->crowding(contact_points, capacities, part_capacities);
+      touching.push_back(touch.candidate);
+    const std::vector<double> crowding = surface->crowding(
+        touching, capacities, [&](const unsigned int a) { return part_values[2 * a + 1]; });
     for (std::size_t i = 0; i < touches.size(); ++i)
       capacities[i] /= 1. + crowding[i];
   }

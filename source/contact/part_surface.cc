@@ -205,40 +205,13 @@ namespace tombolo
     }
     if (is_driven)
       return;
-    std::vector<const ContactPoint *> all;
-    std::vector<double> point_values;
-    for (const ContactPoint &point : contact_points)
-    {
-      all.push_back(&point);
-      point_values.push_back(*state.mass.node(nodes[point.candidate]));
-    }
-    const std::vector<double> found = crowding(all, point_values, masses);
+    std::vector<double> point_masses;
+    for (const std::size_t k : candidates)
+      point_masses.push_back(*state.mass.node(nodes[k]));
+    const std::vector<double> found =
+        crowding(candidates, point_masses, [&](const unsigned int a) { return masses[a]; });
     for (std::size_t i = 0; i < contact_points.size(); ++i)
       contact_points[i].crowding = found[i];
-  }
-
-  template <int dim>
-  std::vector<double>
-  PartSurface<dim>::crowding(const std::vector<const ContactPoint *> &contact_points,
-                             const std::vector<double> &point_values,
-                             const std::vector<double> &node_values) const
-  {
-    std::vector<double> sums(layer->n_nodes(), 0.);
-    for (std::size_t i = 0; i < contact_points.size(); ++i)
-      for (unsigned int c = 0; c < n_corners; ++c)
-        sums[cell(*contact_points[i])[c]] +=
-            std::abs(contact_points[i]->weights[c]) * point_values[i];
-    layer->sum(1, Quantity::scalar, sums);
-    std::vector<double> result;
-    for (const ContactPoint *const point : contact_points)
-    {
-      double largest = 0;
-      for (unsigned int c = 0; c < n_corners; ++c)
-        if (const unsigned int a = cell(*point)[c]; sums[a] > 0.)
-          largest = std::max(largest, sums[a] / node_values[a]);
-      result.push_back(largest);
-    }
-    return result;
   }
 
   template <int dim>

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -274,11 +275,31 @@ namespace tombolo
       return layer->cells()[point.cell];
     }
 
-    /** R of each contact point, @p point_values by point and @p node_values of nodes of the part:
-     * masses or heat capacities. Collective. */
-    std::vector<double> crowding(const std::vector<const ContactPoint *> &contact_points,
-                                 const std::vector<double> &point_values,
-                                 const std::vector<double> &node_values) const;
+    /** R at the contact points of these candidates, with a value of each of them and
+     * @p value_of(node) of the nodes of the part: masses or heat capacities. Collective. */
+    template <typename ValueOf>
+    std::vector<double> crowding(const std::vector<std::size_t> &candidates,
+                                 const std::vector<double> &values, const ValueOf &value_of) const
+    {
+      std::vector<double> sums(layer->n_nodes(), 0.);
+      for (std::size_t i = 0; i < candidates.size(); ++i)
+      {
+        const ContactPoint &point = contact_point(candidates[i]);
+        for (unsigned int c = 0; c < n_corners; ++c)
+          sums[cell(point)[c]] += std::abs(point.weights[c]) * values[i];
+      }
+      layer->sum(1, Quantity::scalar, sums);
+      std::vector<double> result;
+      for (const std::size_t candidate : candidates)
+      {
+        double largest = 0;
+        for (const unsigned int a : cell(contact_point(candidate)))
+          if (sums[a] > 0.)
+            largest = std::max(largest, sums[a] / value_of(a));
+        result.push_back(largest);
+      }
+      return result;
+    }
 
     /** Lists where nodes of the part were, and the sides of @p candidates, which is referred to. */
     void list(Records &records, const std::vector<unsigned int> &candidates);

@@ -147,12 +147,8 @@ namespace tombolo
               state.position.node(candidates[k])[d] - before.node(candidates[k])[d];
     }
 
-    /** Whether set_yield_stress() is needed. */
-    bool needs_yield_stress() const
-    {
-      return settings.shears_at_yield;
-    }
-    /** The yield stress at owned nodes that can touch, for the steps to come: it is referred to. */
+    /** The yield stress at owned nodes that can touch, for the steps to come, where it limits the
+     * shear: it is referred to. */
     void set_yield_stress(const std::vector<double> &nodal_stress)
     {
       yield_stress = &nodal_stress;
@@ -211,11 +207,11 @@ namespace tombolo
       return 1.;
     }
 
-    /** Which entries of the balance this contact has. */
-    bool has_heat() const
+    const ContactSettings &contact_settings() const
     {
-      return settings.has_heat;
+      return settings;
     }
+    /** Which entries of the balance this contact has. */
     bool conducts() const
     {
       return heat && heat->conducts();
@@ -290,21 +286,11 @@ namespace tombolo
     {
       surface->set_reach(std::max(distance, settings.radius));
     }
-    /** With which the surface cuts, zero if it does not [L/T]. */
-    double cutting_speed() const
-    {
-      return settings.cutting_speed;
-    }
     const std::string &name() const
     {
       return contact_name;
     }
 
-    /** Coulomb's coefficient over the temperature. */
-    const TemperatureTable &friction() const
-    {
-      return settings.friction;
-    }
     /** From now on the heat of friction is distributed to nodes around those that touch: the result
      * is to be kept up to date (HeatedFriction). */
     SpreadFriction &spread_friction()
@@ -313,19 +299,10 @@ namespace tombolo
       return *spread;
     }
 
-    /** Owned nodes that can touch, and by which law. */
+    /** Owned nodes that can touch. */
     const std::vector<unsigned int> &candidate_nodes() const
     {
       return candidates;
-    }
-    const ContactLaw &law() const
-    {
-      return settings.law;
-    }
-    /** Whether springs press nodes out of the surface; accelerations do otherwise. */
-    bool has_springs() const
-    {
-      return !settings.is_kinematic;
     }
     /** The stiffness of a spring in E V^((dim-2)/dim), the PFAC of Fraser et al. (eq. 10) against a
      * rigid surface: of a node with the volume V = @p spacing^dim of a material with @p

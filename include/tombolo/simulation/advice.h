@@ -389,9 +389,9 @@ namespace tombolo
     const bool is_paper = smoothing.gamma == 0.,
                may_tear = part.particles->breaking_bonds() != nullptr;
     const auto contacts = shown_by_processes<SurfaceContact<dim>>(model);
-    const bool is_cut =
-        std::any_of(contacts.begin(), contacts.end(),
-                    [](const auto *const contact) { return contact->cutting_speed() > 0.; });
+    const bool is_cut = std::any_of(contacts.begin(), contacts.end(),
+                                    [](const auto *const contact)
+                                    { return contact->contact_settings().cutting_speed > 0.; });
     std::string reason;
     if (speed > 0.)
       reason = "the body spins, its rim with " +

@@ -180,7 +180,7 @@ namespace tombolo
         continue;
       const double squared_bar_speed = s * (3. * p - 4. * s) / (p - s);
       for (const auto *const contact : contacts)
-        if (contact->has_springs())
+        if (!contact->contact_settings().is_kinematic)
           text << "  contact \"" << contact->name() << "\": springs of nodes inside of part \""
                << part.name << "\" have "
                << contact->stiffness_over_modulus(spacings[0], squared_bar_speed, stable_step)

@@ -290,8 +290,8 @@ namespace tombolo
         add_mortar_stiffness(*contact, model.state.position, *tangent.springs);
         for (const auto *const side : {&contact->slave_faces(), &contact->master_faces()})
           for (const unsigned int node : side->owned_nodes())
-            tangent.add_bound(
-                node, contact->law().stiffness(*model.state.mass.node(node), clock.stable_step));
+            tangent.add_bound(node, contact->contact_settings().law.stiffness(
+                                        *model.state.mass.node(node), clock.stable_step));
       }
     }
 
@@ -333,11 +333,8 @@ namespace tombolo
           {
             for (const auto &contact : members)
               if (contact->is_tied())
-                text << "  contact \"" << contact->name() << "\": "
-                     << MortarHistory<dim>::describe_tie(model.state.initial_position,
-                                                         contact->slave_faces().owned_nodes(),
-                                                         contact->node_histories(), communicator)
-                     << "\n";
+                text << "  contact \"" << contact->name()
+                     << "\": " << contact->describe_tie(model.state.initial_position) << "\n";
           });
       for (const auto &contact : members)
         this->observed.object(*contact);
@@ -361,7 +358,8 @@ namespace tombolo
     {
       for (const auto &contact : members)
       {
-        add_contact_columns<dim>(contact->balance(), nullptr, true, contact->conducts(), row);
+        add_contact_columns<dim>(contact->balance(), nullptr, true,
+                                 contact->contact_settings().conducts(), row);
         if (heat == nullptr)
           continue;
         add_temperatures(

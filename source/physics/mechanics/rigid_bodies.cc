@@ -135,7 +135,7 @@ namespace tombolo
                          const std::vector<unsigned int> &nodes)
     {
       for (const auto *const contact : shown_by_processes<SurfaceContact<dim>>(model))
-        if (!contact->has_springs() &&
+        if (contact->contact_settings().is_kinematic &&
             share_a_node(nodes, contact->candidate_nodes(), model.communicator))
           section.all()
               .section("Contact: " + contact->name())

@@ -56,7 +56,8 @@ namespace tombolo
     static std::unique_ptr<NodalYieldStress<dim>> create(const Contacts &contacts)
     {
       if (std::any_of(contacts.begin(), contacts.end(),
-                      [](const auto &contact) { return contact->needs_yield_stress(); }))
+                      [](const auto &contact)
+                      { return contact->contact_settings().shears_at_yield; }))
         return std::make_unique<NodalYieldStress>();
       return nullptr;
     }
@@ -67,7 +68,7 @@ namespace tombolo
     {
       std::set<unsigned int> nodes;
       for (const auto &contact : contacts)
-        if (contact->needs_yield_stress())
+        if (contact->contact_settings().shears_at_yield)
         {
           nodes.insert(contact->candidate_nodes().begin(), contact->candidate_nodes().end());
           contact->set_yield_stress(yield_stress);
@@ -531,8 +532,8 @@ namespace tombolo
     {
       contact->find_stiffness(model.state, clock, *tangent.springs);
       for (const unsigned int node : contact->candidate_nodes())
-        tangent.add_bound(
-            node, contact->law().stiffness(*model.state.mass.node(node), clock.stable_step));
+        tangent.add_bound(node, contact->contact_settings().law.stiffness(
+                                    *model.state.mass.node(node), clock.stable_step));
     }
   }
 

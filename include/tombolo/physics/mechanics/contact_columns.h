@@ -40,7 +40,7 @@ namespace tombolo
       row.add("position", "L", now.position);
       if (tool->has_tool_mass())
         row.add("velocity", "L/T", now.velocity);
-      if (tool->has_heat())
+      if (tool->contact_settings().has_heat)
       {
         row.add("heat of bodies", energy, now.heat_of_bodies);
         row.add("heat of tool", energy, now.heat_of_tool);

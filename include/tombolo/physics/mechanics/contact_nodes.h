@@ -149,8 +149,8 @@ namespace tombolo
       constexpr double speed_factor = 2.;
       double speed = std::numeric_limits<double>::max();
       for (const auto &contact : contacts)
-        if (contact->cutting_speed() > 0.)
-          speed = std::min(speed, contact->cutting_speed());
+        if (contact->contact_settings().cutting_speed > 0.)
+          speed = std::min(speed, contact->contact_settings().cutting_speed);
       if (speed == std::numeric_limits<double>::max())
         return {};
       std::set<unsigned int> fast;

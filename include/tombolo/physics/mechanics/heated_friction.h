@@ -47,7 +47,7 @@ namespace tombolo
         return;
       for (const auto &contact : contacts)
       {
-        if (contact->friction().is_constant())
+        if (contact->contact_settings().friction.is_constant())
           continue;
         SpreadFriction &friction = contact->spread_friction();
         members.push_back({contact.get(), &friction});
@@ -82,7 +82,7 @@ namespace tombolo
         SpreadFriction &friction = *member.friction;
         if (!std::exchange(friction.is_outdated, false))
           continue;
-        const TemperatureTable &table = member.contact->friction();
+        const TemperatureTable &table = member.contact->contact_settings().friction;
         const bool are_dependent = model.state.partition()->has_dependent_nodes();
         const unsigned int n_owned = friction.weight.partition()->n_owned();
         hottest.resize(n_owned);
@@ -200,7 +200,7 @@ namespace tombolo
       // with all the heat of a receiver, removes all friction of this receiver.
       constexpr double tolerance = 1e-3;
       ThermalModel<dim> &thermal_model = *model.heat;
-      const double end = end_of_friction(member.contact->friction());
+      const double end = end_of_friction(member.contact->contact_settings().friction);
       heated.clear();
       loads.set_zero();
       for (unsigned int i = 0; i < loads.partition()->n_owned(); ++i)
@@ -247,7 +247,8 @@ namespace tombolo
       if (!are_current)
         find_coefficients(model, member, field);
       const NodalVector &coefficients = are_current ? friction.coefficient : field;
-      const double smallest = smallest_share * member.contact->friction().largest();
+      const double smallest =
+          smallest_share * member.contact->contact_settings().friction.largest();
       loads.set_zero();
       heated.clear();
       for (const unsigned int node : member.contact->candidate_nodes())
