@@ -413,9 +413,6 @@ namespace tombolo
                  [&] { prescribe(state.unsmoothed_velocity, value); });
   }
 
-  template <int dim>
-  MechanicalConditions<dim>::~MechanicalConditions() = default;
-
   template class MechanicalConditions<2>;
   template class MechanicalConditions<3>;
   template class TributaryAreas<2>;

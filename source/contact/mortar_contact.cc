@@ -2,6 +2,7 @@
 #include <tombolo/contact/mortar_contact.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/contact/surface_contact.h>
 

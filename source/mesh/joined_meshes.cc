@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/mesh/joined_meshes.h>
-
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/on_ranks.h>
-#include <tombolo/mesh/mesh.h>
+#include <tombolo/mesh/cell_quality.h>
+#include <tombolo/mesh/mesh_source.h>
 
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/base/mpi.h>

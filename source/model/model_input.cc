@@ -4,7 +4,7 @@
 #include <tombolo/boundary/mechanical_conditions.h>
 #include <tombolo/boundary/thermal_conditions.h>
 #include <tombolo/mesh/image_conditions.h>
-#include <tombolo/mesh/joined_meshes.h>
+#include <tombolo/mesh/mesh_source.h>
 #include <tombolo/mesh/refinement.h>
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/moving_parts.h>

@@ -135,7 +135,6 @@ namespace tombolo
      * example where a condition selects nothing. Collective. */
     MechanicalConditions(const std::vector<Section> &sections, const Mesh<dim> &mesh,
                          const Nodes<dim> &nodes);
-    ~MechanicalConditions();
 
     bool has_loads() const
     {

@@ -5,9 +5,7 @@
 #include <deal.II/base/tensor.h>
 
 #include <tombolo/base/clock.h>
-#include <tombolo/base/format.h>
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/base/on_ranks.h>
 #include <tombolo/contact/contact_balance.h>
 #include <tombolo/contact/contact_faces.h>
 #include <tombolo/contact/contact_heat.h>
@@ -172,6 +170,47 @@ namespace tombolo
       }
       return cut;
     }
+
+    /** After a change from positions @p before without a motion: springs are deeper by as much as
+     * the gap is smaller, and new overlaps have no force. Positions have current ghosts.
+     * Collective. */
+    static void place(const NodalVector &before, const NodalVector &position,
+                      const std::vector<unsigned int> &nodes, MortarSegments<dim> &segments,
+                      std::vector<MortarHistory<dim>> &histories)
+    {
+      const auto gap_at = [&](const unsigned int node, Tensor<1, dim> &normal)
+      {
+        return segments.find_normal(node, normal)
+                   ? std::optional<double>(
+                         -(vector_of<dim>(segments.sums().gap.node(node)) * normal) /
+                         segments.area_of(node))
+                   : std::nullopt;
+      };
+      Tensor<1, dim> normal;
+      std::vector<std::optional<double>> gaps;
+      segments.gather(before, before, nullptr);
+      for (const unsigned int node : nodes)
+        gaps.push_back(gap_at(node, normal));
+      segments.gather(position, position, nullptr);
+      for (std::size_t k = 0; k < nodes.size(); ++k)
+      {
+        MortarHistory<dim> &history = histories[k];
+        const auto gap = gap_at(nodes[k], normal);
+        if (!gap || !gaps[k])
+          continue; // the next forces release it
+        ContactSpring<dim> &spring = history.spring;
+        if (spring.is_closed())
+        {
+          spring.elastic_slip = rotated_tangent(spring.elastic_slip, history.normal, normal);
+          spring.depth = std::max(0., spring.depth + *gaps[k] - *gap);
+          history.area = segments.area_of(nodes[k]);
+        }
+        else
+          history.offset = std::max(history.offset, -*gap);
+        history.normal = normal;
+        history.gap += *gap - *gaps[k];
+      }
+    }
   };
 
   /** The law of a section "Body contact: NAME". */
@@ -253,43 +292,11 @@ namespace tombolo
       totals.damping += NodeHistory::move(former_nodes, slaves.owned_nodes(), histories);
     }
 
-    /** See ModelSignals::nodes_placed: springs are deeper by as much as the gap is smaller, and new
-     * overlaps have no force. Positions have current ghosts. Not of tied surfaces. Collective. */
+    /** See ModelSignals::nodes_placed. Positions have current ghosts. Not of tied surfaces.
+     * Collective. */
     void place_nodes(const NodalVector &before, const NodalVector &position)
     {
-      const auto gap_at = [&](const unsigned int node, Tensor<1, dim> &normal)
-      {
-        return segments.find_normal(node, normal)
-                   ? std::optional<double>(
-                         -(vector_of<dim>(segments.sums().gap.node(node)) * normal) /
-                         segments.area_of(node))
-                   : std::nullopt;
-      };
-      const std::vector<unsigned int> &nodes = slaves.owned_nodes();
-      Tensor<1, dim> normal;
-      std::vector<std::optional<double>> gaps;
-      segments.gather(before, before, nullptr);
-      for (const unsigned int node : nodes)
-        gaps.push_back(gap_at(node, normal));
-      segments.gather(position, position, nullptr);
-      for (std::size_t k = 0; k < nodes.size(); ++k)
-      {
-        NodeHistory &history = histories[k];
-        const auto gap = gap_at(nodes[k], normal);
-        if (!gap || !gaps[k])
-          continue; // the next forces release it
-        ContactSpring<dim> &spring = history.spring;
-        if (spring.is_closed())
-        {
-          spring.elastic_slip = rotated_tangent(spring.elastic_slip, history.normal, normal);
-          spring.depth = std::max(0., spring.depth + *gaps[k] - *gap);
-          history.area = segments.area_of(nodes[k]);
-        }
-        else
-          history.offset = std::max(history.offset, -*gap);
-        history.normal = normal;
-        history.gap += *gap - *gaps[k];
-      }
+      NodeHistory::place(before, position, slaves.owned_nodes(), segments, histories);
     }
 
     /** Adds the forces at t_n to @p loads, and heat since the step before to @p heat (scalar; null
@@ -365,33 +372,6 @@ namespace tombolo
               sums[Segments::area]);
       }
       return mean_and_largest(values, communicator);
-    }
-
-    /** How many slave nodes are tied, those with an area, how many are not, and where the first of
-     * the others is, by x, y and z. The same on all ranks. Collective. */
-    std::string describe_tie(const NodalVector &position) const
-    {
-      unsigned long n_tied = 0;
-      std::vector<double> first; // of the free ones
-      for (std::size_t k = 0; k < histories.size(); ++k)
-      {
-        const double *const x = position.node(slaves.owned_nodes()[k]);
-        if (histories[k].area > 0.)
-          ++n_tied;
-        else if (const std::vector<double> point(x, x + dim); first.empty() || point < first)
-          first = point;
-      }
-      for (const std::vector<double> &rank_first : items_by_rank(first, communicator))
-        if (!rank_first.empty() && (first.empty() || rank_first < first))
-          first = rank_first;
-      n_tied = Utilities::MPI::sum(n_tied, communicator);
-      const unsigned long n_nodes = Utilities::MPI::sum(histories.size(), communicator);
-      const std::string text =
-          std::to_string(n_tied) + " of " + std::to_string(n_nodes) + " slave nodes are tied";
-      return first.empty() ? text
-                           : text + ", " + std::to_string(n_nodes - n_tied) +
-                                 " not, where no master is near: the first at " +
-                                 position_text(vector_of<dim>(first.data()));
     }
 
     const std::string &name() const

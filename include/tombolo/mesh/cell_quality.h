@@ -62,6 +62,16 @@ namespace tombolo
     return sum / static_cast<double>(vertices.size());
   }
 
+  /** The corners of @p cell moved towards its centre by this @p share of their distance to it. */
+  template <int dim>
+  CellVertices<dim> shrunk_corners(const CellVertices<dim> &cell, double share);
+
+  /** Whether the convex hulls of two cells have points in common: those of which no normal of a
+   * face, and in space no normal of two edges, is a direction in which one lies behind the other.
+   * Faces that are not plane have the normal of their diagonals. */
+  template <int dim>
+  bool have_points_in_common(const CellVertices<dim> &a, const CellVertices<dim> &b);
+
   /** smallest_corner() of a cell that can be used is larger than this. */
   constexpr double smallest_usable_corner = 1e-6;
 } // namespace tombolo

@@ -4,6 +4,7 @@
 #include <tombolo/base/input/registry.h>
 #include <tombolo/mesh/mesh.h>
 
+#include <memory>
 #include <vector>
 
 namespace tombolo
@@ -32,4 +33,12 @@ namespace tombolo
   {
     static constexpr const char *name = "mesh";
   };
+
+  /** Declares what chooses the cells of a scene: section Mesh, or several meshes. */
+  template <int dim>
+  void declare_mesh_sources(Parameters &parameters);
+
+  /** The source of the mesh of the whole scene. Throws InputError. */
+  template <int dim>
+  std::unique_ptr<MeshSource<dim>> mesh_source(const Parameters &parameters);
 } // namespace tombolo

@@ -8,7 +8,7 @@
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/mesh/boundary_names.h>
-#include <tombolo/mesh/joined_meshes.h>
+#include <tombolo/mesh/mesh_source.h>
 #include <tombolo/output/history.h>
 #include <tombolo/output/output.h>
 #include <tombolo/state/body_point.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1
-#include <tombolo/mesh/joined_meshes.h>
+#include <tombolo/mesh/cell_quality.h>
 
 #include <gtest/gtest.h>
 

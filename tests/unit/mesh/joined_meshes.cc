@@ -2,7 +2,7 @@
 // ranks: 1 3
 #include <deal.II/grid/grid_tools.h>
 
-#include <tombolo/mesh/joined_meshes.h>
+#include <tombolo/mesh/mesh_source.h>
 
 #include <mesh_testing.h>
 
