@@ -336,7 +336,7 @@ namespace tombolo
   {
     using Triangulation = dealii::Triangulation<dim>;
     using Cell = typename Triangulation::cell_iterator;
-    if (dealii::Utilities::MPI::n_mpi_processes(mesh.triangulation.get_communicator()) == 1)
+    if (dealii::Utilities::MPI::n_mpi_processes(communicator_of(mesh.triangulation)) == 1)
       return;
     // Of ranks around a node the first along the curve of p4est owns it: the rank of the first
     // cell. Identifiers of cells are in the order of this curve.

@@ -21,32 +21,28 @@ namespace tombolo
       std::vector<std::string> units; ///< the spellings that descriptions use
     };
 
-    const std::vector<LabelledQuantity> &quantities()
-    {
-      static const std::vector<LabelledQuantity> list = {
-          {"length", {"L"}},
-          {"mass", {"M"}},
-          {"time", {"T"}},
-          {"temperature", {"K", "temperature"}},
-          {"velocity", {"L/T"}},
-          {"force", {"M L/T^2"}},
-          {"stress", {"M/(L T^2)", "M/(T^2 L)"}},
-          {"energy", {"M L^2/T^2"}},
-          {"power", {"M L^2/T^3"}},
-          {"momentum", {"M L/T"}},
-          {"angular momentum", {"M L^2/T"}},
-          {"torque", {"M L^2/T^2"}},
-          {"density", {"M/L^3"}},
-      };
-      return list;
-    }
+    const std::vector<LabelledQuantity> quantities = {
+        {"length", {"L"}},
+        {"mass", {"M"}},
+        {"time", {"T"}},
+        {"temperature", {"K", "temperature"}},
+        {"velocity", {"L/T"}},
+        {"force", {"M L/T^2"}},
+        {"stress", {"M/(L T^2)", "M/(T^2 L)"}},
+        {"energy", {"M L^2/T^2"}},
+        {"power", {"M L^2/T^3"}},
+        {"momentum", {"M L/T"}},
+        {"angular momentum", {"M L^2/T"}},
+        {"torque", {"M L^2/T^2"}},
+        {"density", {"M/L^3"}},
+    };
   } // namespace
 
   UnitLabels::UnitLabels(const Entries &e)
   {
     std::vector<std::string> names;
     std::string allowed;
-    for (const LabelledQuantity &quantity : quantities())
+    for (const LabelledQuantity &quantity : quantities)
     {
       names.emplace_back(quantity.name);
       allowed += (allowed.empty() ? "" : ", ") + names.back();
@@ -125,7 +121,7 @@ namespace tombolo
 
   std::string UnitLabels::label(const std::string &unit) const
   {
-    for (const LabelledQuantity &quantity : quantities())
+    for (const LabelledQuantity &quantity : quantities)
       if (std::find(quantity.units.begin(), quantity.units.end(), unit) != quantity.units.end())
         for (const auto *const labels : {&given, &derived})
           for (const auto &entry : *labels)

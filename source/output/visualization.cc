@@ -77,20 +77,20 @@ namespace tombolo
       {
         for (const auto &[name, terms] : view.nodal_forces)
         {
-          NodalVector &force = forces[name].nodal_values;
-          force.reinit(view.state->partition());
+          forces.push_back({name, NodalVector(view.state->partition()), {}});
           for (const auto &add_to : terms)
-            add_to(force);
-          force.update_ghosts();
+            add_to(forces.back().nodal_values);
+          forces.back().nodal_values.update_ghosts();
         }
-        if (!view.reaction)
-          return;
-        reaction = nodal_field(view.state->partition(), Quantity::vector,
-                               [&](const unsigned int node, double *const values)
-                               {
-                                 const std::array<double, 3> force = view.reaction(node);
-                                 std::copy(force.begin(), force.end(), values);
-                               });
+        const auto set_reaction = [&](const unsigned int node, double *const values)
+        {
+          const std::array<double, 3> force = view.reaction(node);
+          std::copy(force.begin(), force.end(), values);
+        };
+        if (view.reaction)
+          forces.push_back({"reaction",
+                            nodal_field(view.state->partition(), Quantity::vector, set_reaction),
+                            {}});
       }
 
       void add(const unsigned int node, std::vector<double> &points)
@@ -106,10 +106,8 @@ namespace tombolo
           initial_positions.push_back(initial[d]);
           displacements.push_back(position[d] - initial[d]);
           velocities.push_back(state.velocity.node(node)[d]);
-          for (auto &[name, force] : forces)
+          for (Force &force : forces)
             force.point_values.push_back(force.nodal_values.node(node)[d]);
-          if (view.reaction)
-            reactions.push_back(reaction.node(node)[d]);
         }
         if (view.heat != nullptr)
           temperatures.push_back(*view.heat->present_temperature.node(node));
@@ -124,10 +122,8 @@ namespace tombolo
           piece.point_data.add("initial position", "L", 3, std::move(initial_positions));
           piece.point_data.add("displacement", "L", 3, std::move(displacements));
           piece.point_data.add("velocity", "L/T", 3, std::move(velocities));
-          for (auto &[name, force] : forces)
-            piece.point_data.add(name, "M L/T^2", 3, std::move(force.point_values));
-          if (view.reaction)
-            piece.point_data.add("reaction", "M L/T^2", 3, std::move(reactions));
+          for (Force &force : forces)
+            piece.point_data.add(force.name, "M L/T^2", 3, std::move(force.point_values));
         }
         // With mechanics, material points have a "temperature" of their own.
         const std::string name = view.has_mechanics ? "nodal temperature" : "temperature";
@@ -140,15 +136,15 @@ namespace tombolo
     private:
       struct Force
       {
+        std::string name;
         NodalVector nodal_values; ///< with ghosts
         std::vector<double> point_values;
       };
 
       const OutputView<dim> &view;
-      std::map<std::string, Force> forces; ///< by name
-      NodalVector reaction;                ///< with ghosts
+      std::vector<Force> forces; ///< the reaction is the last
       std::vector<double> initial_positions, displacements, velocities, temperatures,
-          exact_temperatures, reactions;
+          exact_temperatures;
     };
 
     /** Owned cells of each part of elements, in the order of active cells. */

@@ -142,13 +142,8 @@ namespace tombolo
       }
     }
 
-    /** Finds the areas in these positions (ghosts current). */
-    void update(const NodalVector &position)
-    {
-      update(position, position);
-    }
-
-    /** The same, but in the initial positions where a group keeps these. */
+    /** Finds the areas in these positions (ghosts current), in the initial ones where a group keeps
+     * these. */
     void update(const NodalVector &position, const NodalVector &initial_position)
     {
       for (Group &group : groups)

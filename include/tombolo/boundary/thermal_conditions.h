@@ -134,7 +134,7 @@ namespace tombolo
     /** Finds s_k in these positions (ghosts current). */
     void update_areas(const NodalVector &position)
     {
-      areas.update(position);
+      areas.update(position, position);
     }
 
     /** Adds the heat per unit time that enters through surfaces at @p time, with the temperature of

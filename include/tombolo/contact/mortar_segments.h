@@ -298,12 +298,6 @@ namespace tombolo
       }
     }
 
-    /** Candidate pairs of faces in the last step, on this rank. */
-    std::size_t n_pairs() const
-    {
-      return exchange.pairs().size();
-    }
-
   private:
     static constexpr unsigned int n_corners = ContactFaces<dim>::n_corners;
     using Segment = FacePair<dim>;

@@ -48,10 +48,10 @@ namespace tombolo
                    "and half of the size; identifiers are exact in both.") == "double";
       std::vector<std::string> names;
       std::string allowed;
-      for (const auto &[name, field] : further_fields())
+      for (const auto &[name, field] : further_fields)
       {
-        names.push_back(name);
-        allowed += (allowed.empty() ? "" : ", ") + name;
+        names.emplace_back(name);
+        allowed += (allowed.empty() ? "" : ", ") + names.back();
       }
       for (const std::string &field_name : e.list(
                "Further fields", "",
@@ -61,7 +61,7 @@ namespace tombolo
                "such as hourglass forces)."))
       {
         bool is_known = false;
-        for (const auto &[name, field] : further_fields())
+        for (const auto &[name, field] : further_fields)
           if (name == field_name)
             is_known = this->*field = true;
         if (is_known)
@@ -75,14 +75,10 @@ namespace tombolo
     }
 
   private:
-    static const std::vector<std::pair<std::string, bool PictureFields::*>> &further_fields()
-    {
-      static const std::vector<std::pair<std::string, bool PictureFields::*>> fields = {
-          {"logarithmic strain", &PictureFields::logarithmic_strain},
-          {"principal stresses", &PictureFields::principal_stresses},
-          {"internal fields", &PictureFields::internal_fields}};
-      return fields;
-    }
+    static constexpr std::pair<const char *, bool PictureFields::*> further_fields[] = {
+        {"logarithmic strain", &PictureFields::logarithmic_strain},
+        {"principal stresses", &PictureFields::principal_stresses},
+        {"internal fields", &PictureFields::internal_fields}};
   };
 
   /**
@@ -126,6 +122,9 @@ namespace tombolo
       double sum = 0;
       for (const double weight : weights)
         sum += weight;
+      std::vector<double> shares;
+      for (const double weight : weights)
+        shares.push_back(weight / sum);
       for (std::size_t f = 0; f < fields.size(); ++f)
         for (unsigned int c = 0; c < fields[f].n_components; ++c)
         {
@@ -135,14 +134,14 @@ namespace tombolo
             const double *const component =
                 points->component(static_cast<unsigned int>(own_field[f]), c);
             for (std::size_t i = 0; i < indices.size(); ++i)
-              mean += weights[i] / sum * component[indices[i]];
+              mean += shares[i] * component[indices[i]];
           }
           values[f].push_back(mean);
         }
       parts.push_back(part_index);
       if (fields.empty())
         return;
-      add_derived(indices, weights);
+      add_derived(indices, shares);
       if (requested.logarithmic_strain)
       {
         const SymmetricComponents strain = logarithmic_strain(deformation_gradient());
@@ -177,7 +176,7 @@ namespace tombolo
     std::vector<std::int64_t> parts; ///< of each entity
 
   private:
-    void add_derived(const std::vector<unsigned int> &indices, const std::vector<double> &weights)
+    void add_derived(const std::vector<unsigned int> &indices, const std::vector<double> &shares)
     {
       const double *const stress = &*(values[MaterialPoints::stress].end() - 6);
       pressures.push_back(pressure(stress));
@@ -190,16 +189,13 @@ namespace tombolo
       }
       if (!view.exact_stress)
         return;
-      double sum = 0;
-      for (const double weight : weights)
-        sum += weight;
       SymmetricComponents mean{};
       for (std::size_t i = 0; i < indices.size(); ++i)
       {
         const auto exact =
             components_of(view.exact_stress((*initial_positions)[indices[i]], view.time));
         for (unsigned int c = 0; c < 6; ++c)
-          mean[c] += weights[i] / sum * exact[c];
+          mean[c] += shares[i] * exact[c];
       }
       exact_stresses.insert(exact_stresses.end(), mean.begin(), mean.end());
     }

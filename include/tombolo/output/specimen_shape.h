@@ -344,6 +344,7 @@ namespace tombolo
       const Surface foot(section, "Foot", *view.mesh);
       const Surface side(section, "Side", *view.mesh);
       const Surface rear(section, "Rear", *view.mesh);
+      const Surface *const surfaces[] = {&foot, &side, &rear};
       std::array<unsigned int, 3> n_faces = {};
       std::set<GlobalNode> on_surface;
       edge_nodes.clear(); // those of another mesh
@@ -370,7 +371,6 @@ namespace tombolo
                   const auto face = cell->face(f);
                   if (!face->at_boundary())
                     continue;
-                  const Surface *const surfaces[] = {&foot, &side, &rear};
                   for (unsigned int s = 0; s < 3; ++s)
                     if (surfaces[s]->has(face))
                     {
@@ -390,7 +390,6 @@ namespace tombolo
           });
       surface_nodes.assign(on_surface.begin(), on_surface.end());
 
-      const Surface *const surfaces[] = {&foot, &side, &rear};
       for (unsigned int s = 0; s < 3; ++s)
         if (Utilities::MPI::sum(n_faces[s], communicator) == 0)
           section.fail(surfaces[s]->entry(), "there is no such face of the surface of the mesh");

@@ -109,7 +109,8 @@ namespace tombolo
         {
           ParallelGroup group(file, file_name, group_name, communicator);
           grid = write_grid(piece, name, time, unit_labels, group);
-          group.write_text(name_of_text, grid);
+          const auto size = Utilities::MPI::this_mpi_process(communicator) == 0 ? grid.size() : 0;
+          group.write(name_of_text, std::vector<char>(grid.data(), grid.data() + size), 1);
           is_written = group.is_written;
         }
         is_written = file.close_now() && is_written;
@@ -192,21 +193,6 @@ namespace tombolo
                 return write(name, std::vector<float>(numbers.begin(), numbers.end()), n_columns);
             },
             values);
-      }
-
-      /** Writes a text. Collective. */
-      void write_text(const std::string &name, const std::string &text)
-      {
-        const hsize_t size = text.size();
-        const Hdf5Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
-        const Hdf5Handle dataset(H5Dcreate2(group, name.c_str(), H5T_NATIVE_CHAR, space,
-                                            H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                                 H5Dclose);
-        const Hdf5Handle mine(H5Scopy(space), H5Sclose);
-        if (Utilities::MPI::this_mpi_process(communicator) != 0)
-          H5Sselect_none(mine);
-        is_written = is_written && dataset >= 0 &&
-                     H5Dwrite(dataset, H5T_NATIVE_CHAR, mine, mine, transfer, text.data()) >= 0;
       }
 
       /** The rows of the ranks before. Collective. */

@@ -135,11 +135,6 @@ namespace tombolo
       return cuts[axis];
     }
 
-    double radius() const
-    {
-      return rings.back().end;
-    }
-
   private:
     void read_cuts(const Section &section, const std::array<char, 2> &axes,
                    const std::string &whole)
