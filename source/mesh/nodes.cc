@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/mpi.h>
+#include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_q.h>
 #include <deal.II/fe/fe_tools.h>
 #include <deal.II/grid/grid_tools.h>
@@ -93,27 +94,13 @@ namespace tombolo
 
     handler.distribute_dofs(*finite_element);
     owned_nodes = handler.locally_owned_dofs();
-
-    std::vector<dealii::types::global_dof_index> nodes;
-    std::vector<dealii::types::global_dof_index> ghosts;
-    for (const auto &cell : handler.active_cell_iterators())
-      if (cell->is_locally_owned())
-      {
-        cell_nodes(cell, nodes);
-        for (const auto node : nodes)
-          if (!owned_nodes.is_element(node))
-            ghosts.push_back(node);
-      }
-    std::sort(ghosts.begin(), ghosts.end());
-    ghosts.erase(std::unique(ghosts.begin(), ghosts.end()), ghosts.end());
-    relevant_nodes = owned_nodes;
-    relevant_nodes.add_indices(ghosts.begin(), ghosts.end());
-    relevant_nodes.compress();
+    relevant_nodes = dealii::DoFTools::extract_locally_active_dofs(handler);
 
     const PersistentNumbering<dim> numbering(mesh.triangulation, degree);
     AssertThrow(numbering.fits(mesh.triangulation.n_cells(0)),
                 dealii::ExcMessage("The persistent node numbers of this mesh exceed 64 bits."));
     ids.assign(owned_nodes.n_elements(), std::numeric_limits<std::uint64_t>::max());
+    std::vector<dealii::types::global_dof_index> nodes;
     // All cells around an owned node are owned or ghost cells of this rank.
     for (const auto &cell : handler.active_cell_iterators())
       if (!cell->is_artificial())

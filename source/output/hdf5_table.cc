@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/output/hdf5_table.h>
+#include <tombolo/output/time_table.h>
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/file_stream.h>

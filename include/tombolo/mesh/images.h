@@ -10,6 +10,7 @@
 #include <ostream>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -29,6 +30,14 @@ namespace tombolo
     {
       return source == other.source && mirrors == other.mirrors;
     }
+  };
+
+  /** A node that is no unknown: in any field it has the mean of others, with these weights, which
+   * sum to one. */
+  struct DependentNode
+  {
+    dealii::types::global_dof_index node;
+    std::vector<std::pair<dealii::types::global_dof_index, double>> weights;
   };
 
   /** What a mesh represents besides itself: its images in mirrors, which are planes normal to

@@ -3,7 +3,6 @@
 
 #include <deal.II/dofs/dof_handler.h>
 
-#include <tombolo/mesh/dependent_node.h>
 #include <tombolo/mesh/images.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/part_cells.h>

@@ -79,15 +79,10 @@ namespace tombolo
   /**
    * Histories at nodes: `probes.csv`, whose rows have time, step, and for each probe position,
    * displacement and velocity (of half a step before) and, in scenes with heat, temperature of its
-   * node.
-   *
-   * `Locations` lists positions, of each of which the nearest node at the start is used:
-   * `tip: 10, 0.6, 0.6; 5, 0.6, 0.6`, where one without a name is called "probe" and its number in
-   * the list. Of nodes at the same distance the one with the smallest persistent id is taken, so
-   * the choice does not depend on the number of ranks. `Nodes` lists persistent ids, and all nodes
-   * on `Boundary` and where `Where` holds are taken: these are called "node" and their persistent
-   * id at the start, and those of a region are in its order. `Mesh nodes` lists numbers of the
-   * mesh file; these are called "mesh node" and their number there.
+   * node. Of nodes at the same distance from a location the one with the smallest persistent id is
+   * taken, so the choice does not depend on the number of ranks. Nodes by number and of a region
+   * are called "node" and their persistent id at the start, those of a region in its order; `Mesh
+   * nodes` "mesh node" and their number in the file.
    */
   template <int dim>
   class Probes : public History<dim>

@@ -16,12 +16,7 @@ namespace tombolo
    * `summary.json`: a run in a form for programs, written when all else has been, so
    * that its presence says that the run is complete. Starts with the versions of the program and
    * its libraries, and the ranks; the simulation adds its counts, and each case its own values
-   * under `results`. Keys (documented in full where they are set): `nodes`, `fe_cells`,
-   * `particles`, `shared_nodes`, `steps`, `simulated_time`, `wall_seconds`, `step_seconds`,
-   * `step_processor_seconds`, `seconds_per_phase`, `ns_per_cell_step`, `ns_per_particle_step`,
-   * `rank_balance`, `peak_memory_bytes`, `time_step_min`, `time_step_max`,
-   * `energy_error_relative`, `momentum_drift_relative`,
-   * `results`.
+   * under `results` (doc/results.md).
    */
   class Summary
   {

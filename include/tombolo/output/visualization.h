@@ -41,26 +41,11 @@ namespace tombolo
    * particles, writes no files of them; a rank without them writes empty pieces. In scenes with
    * contacts, `solution/tools_NNNN.vtu` and `tools.pvd` have the surfaces (make_tool_piece()). With
    * `Format = xdmf` these grids are in `cells.xdmf`, `particles.xdmf` and `tools.xdmf`, each with
-   * its file .h5, over all times (XdmfSeries).
+   * its file .h5, over all times (XdmfSeries). doc/results.md lists the arrays.
    *
-   * Symmetric tensors have the components of VTK, XX, YY, ZZ, XY, YZ, XZ. The field data `units`
-   * has the units of arrays.
-   *
-   * Cells, of which one of degree p becomes p^dim linear ones: at points `displacement`,
-   * `velocity`, `initial position`, `contact force` and `reaction` where the scene has contacts and
-   * prescribed motion; on cells `stress`, `exact stress` where there is one, `pressure` and `von
-   * Mises stress` of that stress, `volume ratio`, the material's internal variables, `part`, `owner
-   * rank`. Cell values are means over the cell's material points by volume; where these lie at the
-   * nodes of a cell of higher degree, means over the corners of each of its linear cells.
-   *
-   * Particles: `persistent id` (64 bits, exact), `initial position`, `displacement`, `velocity` (v)
-   * and `unsmoothed velocity` (v̂), `contact force`, `reaction`, `stress`, `exact stress`,
-   * `pressure`, `von Mises stress`, `volume ratio`, `support` (half widths), `volume`, `mass` (m̂),
-   * internal variables, `part`, `shared node` (1 where the node belongs to elements too), `owner
-   * rank`.
-   *
-   * A variable that the material of a part does not have is NaN there. Velocities are those of half
-   * a step before the time of the file. Further fields are those of PictureFields.
+   * A cell of degree p becomes p^dim linear ones. Values of cells are means over the cell's
+   * material points by volume; where these lie at the nodes of a cell of higher degree, means over
+   * the corners of each of its linear cells.
    */
   template <int dim>
   class Visualization : public Output<dim>

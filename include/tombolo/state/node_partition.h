@@ -4,7 +4,6 @@
 #include <deal.II/base/index_set.h>
 #include <deal.II/base/partitioner.h>
 
-#include <tombolo/mesh/dependent_node.h>
 #include <tombolo/mesh/images.h>
 
 #include <cstddef>

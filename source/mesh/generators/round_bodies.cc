@@ -49,8 +49,7 @@ namespace tombolo
 
   /**
    * The section of a cylinder or disc in quadrilaterals: a core of n x n cells, a square with round
-   * edges, and rings of 4 n cells around it up to the circle. Entries: `Radius`, `Core cells`,
-   * `Rings`, `Core radius`, `Core corner angle`, `Symmetry planes`.
+   * edges, and rings of 4 n cells around it up to the circle.
    *
    * The edges of the core are circular arcs that meet at the corner angle; at 120 degrees the core
    * cell and the two ring cells at a corner are alike. The first segment of rings leads from the
