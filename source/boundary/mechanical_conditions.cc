@@ -269,25 +269,33 @@ namespace tombolo
       alone->add_to_owners();
       receive_alone(c, *alone);
     };
+    const auto put_of = [&](const unsigned int c)
+    {
+      return [&, c](const unsigned int node, const double *const force)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          loads.node(node)[d] += force[d];
+          if (alone != nullptr)
+            alone->node(node)[d] += force[d];
+        }
+        sums[c].add(positions.node(node), force);
+      };
+    };
     const auto acts = [&](const unsigned int c) { return conditions[c].acts_at(time); };
     for (unsigned int c = 0; c < conditions.size(); ++c)
       if (is_on_faces(conditions[c].type) && acts(c))
-        add(c, [&]() { add_surface_forces(c, state, time, positions, loads, sums[c], alone); });
+        add(c, [&]() { add_surface_forces(c, state, time, put_of(c)); });
     loads.add_to_owners();
     for (unsigned int c = 0; c < conditions.size(); ++c)
       if (is_on_volume(conditions[c].type) && acts(c))
-        add(c,
-            [&]() {
-              add_body_forces(conditions[c], state, mass, time, positions, loads, sums[c], alone);
-            });
+        add(c, [&]() { add_body_forces(c, state, mass, time, put_of(c)); });
   }
 
   template <int dim>
+  template <typename Put>
   void MechanicalConditions<dim>::add_surface_forces(const unsigned int c, const NodalState &state,
-                                                     const double time,
-                                                     const NodalVector &positions,
-                                                     NodalVector &loads, LoadSum &sum,
-                                                     NodalVector *const alone) const
+                                                     const double time, const Put &put) const
   {
     const std::vector<unsigned int> &nodes = areas.nodes(c);
     const Expression<dim> &function = *conditions[c].function;
@@ -309,39 +317,28 @@ namespace tombolo
       }
       double force[3] = {0, 0, 0};
       for (unsigned int d = 0; d < dim; ++d)
-      {
         force[d] =
             is_pressure ? -value[0] * areas.outward_areas(c)[k][d] : value[d] * areas.areas(c)[k];
-        loads.node(nodes[k])[d] += force[d];
-        if (alone != nullptr)
-          alone->node(nodes[k])[d] += force[d];
-      }
-      sum.add(positions.node(nodes[k]), force);
+      put(nodes[k], force);
     }
   }
 
   template <int dim>
-  void MechanicalConditions<dim>::add_body_forces(const MechanicalCondition<dim> &condition,
-                                                  const NodalState &state, const NodalVector &mass,
-                                                  const double time, const NodalVector &positions,
-                                                  NodalVector &loads, LoadSum &sum,
-                                                  NodalVector *const alone) const
+  template <typename Put>
+  void MechanicalConditions<dim>::add_body_forces(const unsigned int c, const NodalState &state,
+                                                  const NodalVector &mass, const double time,
+                                                  const Put &put) const
   {
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
     {
       const Point<dim> initial = point_of<dim>(state.initial_position.node(i));
-      if (!condition.region.contains(initial))
+      if (!conditions[c].region.contains(initial))
         continue;
       double force[3] = {0, 0, 0};
-      const Tensor<1, dim> load = condition.load_at(initial, time);
+      const Tensor<1, dim> load = conditions[c].load_at(initial, time);
       for (unsigned int d = 0; d < dim; ++d)
-      {
         force[d] = *mass.node(i) * load[d];
-        loads.node(i)[d] += force[d];
-        if (alone != nullptr)
-          alone->node(i)[d] += force[d];
-      }
-      sum.add(positions.node(i), force);
+      put(i, force);
     }
   }
 

@@ -4,7 +4,6 @@
 #include <tombolo/base/on_ranks.h>
 
 #include <deal.II/base/geometry_info.h>
-#include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <map>
@@ -14,19 +13,6 @@ namespace tombolo
 {
   namespace
   {
-    /** As from_all_ranks(), in every step. @p rank_lengths are the lengths on all ranks. */
-    std::vector<double> gather_numbers(const std::vector<double> &rank_values,
-                                       const std::vector<int> &rank_lengths,
-                                       const MPI_Comm communicator)
-    {
-      std::vector<int> begin(rank_lengths.size() + 1, 0);
-      std::partial_sum(rank_lengths.begin(), rank_lengths.end(), begin.begin() + 1);
-      std::vector<double> result(static_cast<std::size_t>(begin.back()));
-      MPI_Allgatherv(rank_values.data(), static_cast<int>(rank_values.size()), MPI_DOUBLE,
-                     result.data(), rank_lengths.data(), begin.data(), MPI_DOUBLE, communicator);
-      return result;
-    }
-
     /** Whether the part ends at a face of one of its cells, as far as this rank has cells: beyond
      * ghost cells it does not. */
     template <int dim>
@@ -82,11 +68,7 @@ namespace tombolo
         owned_nodes.push_back({number, 0});
         numbers_of_owned.push_back(number);
       }
-    std::vector<int> begin;
-    received = from_all_ranks(numbers_of_owned, communicator, begin);
-    n_owned_of_rank.clear();
-    for (std::size_t rank = 1; rank < begin.size(); ++rank)
-      n_owned_of_rank.push_back(begin[rank] - begin[rank - 1]);
+    received = from_all_ranks(numbers_of_owned, communicator, begin_of_rank);
 
     add_facets(nodes);
     add_images(nodes);
@@ -289,10 +271,8 @@ namespace tombolo
     std::vector<double> rank_values(n_values * owned_nodes.size());
     for (std::size_t k = 0; k < owned_nodes.size(); ++k)
       fill(owned_nodes[k].node, &rank_values[n_values * k]);
-    std::vector<int> lengths = n_owned_of_rank;
-    for (int &length : lengths)
-      length *= static_cast<int>(n_values);
-    const std::vector<double> all_values = gather_numbers(rank_values, lengths, communicator);
+    const std::vector<double> all_values =
+        from_all_ranks(rank_values, n_values, begin_of_rank, communicator);
     std::vector<double> result(n_values * n_nodes());
     for (std::size_t k = 0; k < received.size(); ++k)
       std::copy_n(&all_values[n_values * k], n_values, &result[n_values * received[k]]);
@@ -323,10 +303,7 @@ namespace tombolo
       sent.push_back(static_cast<double>(number));
       sent.insert(sent.end(), begin, begin + n_values);
     }
-    const int length = static_cast<int>(sent.size());
-    std::vector<int> lengths(n_owned_of_rank.size());
-    MPI_Allgather(&length, 1, MPI_INT, lengths.data(), 1, MPI_INT, communicator);
-    const std::vector<double> all_values = gather_numbers(sent, lengths, communicator);
+    const std::vector<double> all_values = from_all_ranks(sent, communicator);
     std::fill(values.begin(), values.end(), 0.);
     for (std::size_t k = 0; k < all_values.size(); k += n_values + 1)
     {

@@ -2,6 +2,7 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/on_ranks.h>
+#include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/cell_quality.h>
 #include <tombolo/mesh/mesh_source.h>
 
@@ -80,11 +81,7 @@ namespace tombolo
       for (const auto &[name, mesh_ids] : unqualified)
         if (mesh_ids.size() == 1)
           names.emplace(name, mesh_ids.front());
-      for (const auto &[name, here] : names)
-        if (here.size() == 1)
-          single.emplace(name, *here.begin());
-        else
-          joint.emplace(name, here);
+      split_names(names, single, joint);
     }
 
   private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_q.h>
 #include <deal.II/fe/fe_tools.h>
@@ -26,12 +27,9 @@ namespace tombolo
                           const unsigned int degree)
           : degree(degree), finest_level(triangulation.n_global_levels() - 1),
             points_per_axis(
-                static_cast<std::uint64_t>(degree) * (std::uint64_t(1) << finest_level) + 1)
-      {
-        points_per_cell = 1;
-        for (int d = 0; d < dim; ++d)
-          points_per_cell *= points_per_axis;
-      }
+                static_cast<std::uint64_t>(degree) * (std::uint64_t(1) << finest_level) + 1),
+            points_per_cell(dealii::Utilities::fixed_power<dim>(points_per_axis))
+      {}
 
       bool fits(const std::uint64_t n_coarse_cells) const
       {
@@ -50,10 +48,7 @@ namespace tombolo
 
         const std::uint64_t stride = std::uint64_t(1) << (finest_level - children.size());
         const std::uint64_t base = cell_id.get_coarse_cell_id() * points_per_cell;
-        unsigned int n_points = 1;
-        for (int d = 0; d < dim; ++d)
-          n_points *= degree + 1;
-        for (unsigned int k = 0; k < n_points; ++k)
+        for (unsigned int k = 0; k < dealii::Utilities::fixed_power<dim>(degree + 1); ++k)
         {
           std::uint64_t lattice_index = 0;
           std::uint64_t weight = 1;

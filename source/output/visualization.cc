@@ -15,12 +15,7 @@ namespace tombolo
   {
     VtuPiece piece(dim == 2 ? 3 : 5, dim, double_precision);
     const Extent<dim> box = extent_of<dim>(view.state->position);
-    Tensor<1, dim> low, high;
-    for (unsigned int d = 0; d < dim; ++d)
-    {
-      low[d] = box.lowest[d];
-      high[d] = box.highest[d];
-    }
+    const auto low = vector_of<dim>(box.lowest.data()), high = vector_of<dim>(box.highest.data());
     std::vector<std::string> names;
     std::vector<std::int64_t> numbers;
     std::vector<double> forces, penetrations;

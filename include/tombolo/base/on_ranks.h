@@ -86,6 +86,19 @@ namespace tombolo
     return from_all_ranks(own_items, communicator, begin);
   }
 
+  /** The same of items of @p n_values values each, whose @p begin is known. Collective. */
+  template <typename Value>
+  std::vector<Value> from_all_ranks(const std::vector<Value> &own_values,
+                                    const unsigned int n_values, const std::vector<int> &begin,
+                                    const MPI_Comm communicator)
+  {
+    static_assert(std::is_trivially_copyable_v<Value>);
+    std::vector<Value> all(n_values * static_cast<std::size_t>(begin.back()));
+    internal::gather_items(own_values.data(), all.data(), n_values * sizeof(Value), begin,
+                           communicator);
+    return all;
+  }
+
   /** The items of each rank, on all of them. Collective. */
   template <typename Item>
   std::vector<std::vector<Item>> items_by_rank(const std::vector<Item> &own_items,

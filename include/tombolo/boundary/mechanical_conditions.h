@@ -213,12 +213,13 @@ namespace tombolo
     using Base::constraint_nodes;
     using Base::constraints;
 
+    /** Call put(node, force) for the nodes on which a condition acts. */
+    template <typename Put>
     void add_surface_forces(unsigned int c, const NodalState &state, double time,
-                            const NodalVector &positions, NodalVector &loads, LoadSum &sum,
-                            NodalVector *alone) const;
-    void add_body_forces(const MechanicalCondition<dim> &condition, const NodalState &state,
-                         const NodalVector &mass, double time, const NodalVector &positions,
-                         NodalVector &loads, LoadSum &sum, NodalVector *alone) const;
+                            const Put &put) const;
+    template <typename Put>
+    void add_body_forces(unsigned int c, const NodalState &state, const NodalVector &mass,
+                         double time, const Put &put) const;
     /** Sets the prescribed components of a vector: value(condition, node, component, direction),
      * where the last is null for an axis of the coordinates. */
     template <typename Value>

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/contact/surfaces/facet_list.h>
+#include <tombolo/mesh/extent.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_vector.h>
 
@@ -17,9 +18,9 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
-#include <limits>
 #include <memory>
 #include <mpi.h>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -303,20 +304,21 @@ namespace tombolo
                                const std::vector<int> &n_from, const std::vector<double> &to_send,
                                std::vector<double> &to_receive, const MPI_Comm communicator)
     {
-      const std::size_t n_ranks = n_to.size();
-      std::vector<int> send_counts(n_ranks), send_offsets(n_ranks), receive_counts(n_ranks),
-          receive_offsets(n_ranks);
-      int send_total = 0, receive_total = 0;
-      for (std::size_t r = 0; r < n_ranks; ++r)
+      const auto values_of = [&](std::vector<int> counts)
       {
-        send_counts[r] = n_to[r] * static_cast<int>(n_values);
-        receive_counts[r] = n_from[r] * static_cast<int>(n_values);
-        send_offsets[r] = send_total;
-        receive_offsets[r] = receive_total;
-        send_total += send_counts[r];
-        receive_total += receive_counts[r];
-      }
-      to_receive.resize(static_cast<std::size_t>(receive_total));
+        for (int &count : counts)
+          count *= static_cast<int>(n_values);
+        return counts;
+      };
+      const auto offsets_of = [](std::vector<int> counts)
+      {
+        std::exclusive_scan(counts.begin(), counts.end(), counts.begin(), 0);
+        return counts;
+      };
+      const std::vector<int> send_counts = values_of(n_to), receive_counts = values_of(n_from);
+      const std::vector<int> send_offsets = offsets_of(send_counts),
+                             receive_offsets = offsets_of(receive_counts);
+      to_receive.resize(static_cast<std::size_t>(receive_offsets.back() + receive_counts.back()));
       const int error = MPI_Alltoallv(to_send.data(), send_counts.data(), send_offsets.data(),
                                       MPI_DOUBLE, to_receive.data(), receive_counts.data(),
                                       receive_offsets.data(), MPI_DOUBLE, communicator);
@@ -326,22 +328,15 @@ namespace tombolo
     void select_sent_faces(const ContactFaces<dim> &slaves, const ContactFaces<dim> &masters,
                            const NodalVector &position, const double reach, const double margin)
     {
-      // The box around the slave faces of each rank, low and high corner; turned round without
-      // faces.
-      constexpr double far = std::numeric_limits<double>::max();
-      std::vector<double> around(2 * dim, far);
-      std::fill_n(around.begin() + dim, dim, -far);
+      Extent<dim> around; // the slave faces of this rank
       for (const auto &face : slaves.faces())
       {
         const dealii::BoundingBox<dim> box =
             box_around<dim>(slaves.corners(face, position), reach * face.thickness + margin);
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          around[d] = std::min(around[d], box.lower_bound(d));
-          around[dim + d] = std::max(around[dim + d], box.upper_bound(d));
-        }
+        around.add(box.get_boundary_points().first);
+        around.add(box.get_boundary_points().second);
       }
-      const auto rank_boxes = items_by_rank(around, communicator);
+      const auto rank_boxes = from_all_ranks(std::vector<Extent<dim>>{around}, communicator);
       std::vector<dealii::BoundingBox<dim>> boxes;
       for (const auto &face : masters.faces())
         boxes.push_back(box_around<dim>(masters.corners(face, position), 0.));
@@ -353,8 +348,8 @@ namespace tombolo
         {
           bool meets = true;
           for (unsigned int d = 0; d < dim; ++d)
-            meets = meets && boxes[f].lower_bound(d) <= rank_boxes[rank][dim + d] &&
-                    boxes[f].upper_bound(d) >= rank_boxes[rank][d];
+            meets = meets && boxes[f].lower_bound(d) <= rank_boxes[rank].highest[d] &&
+                    boxes[f].upper_bound(d) >= rank_boxes[rank].lowest[d];
           if (meets)
             sent.push_back(static_cast<unsigned int>(f));
         }

@@ -144,8 +144,8 @@ namespace tombolo
     std::vector<OwnedNode> owned_nodes;                          ///< by number
     std::vector<unsigned int> local_nodes; ///< the same, local numbers, ascending
     std::vector<unsigned int> received;    ///< numbers of the nodes of all ranks, by rank
-    std::vector<int> n_owned_of_rank;
-    std::vector<Image> images; ///< nodes behind all others
+    std::vector<int> begin_of_rank;        ///< in these
+    std::vector<Image> images;             ///< nodes behind all others
   };
 
   class Records;

@@ -35,6 +35,18 @@ namespace tombolo
     return {};
   }
 
+  /** Splits names into those with one id and those with several. */
+  inline void split_names(const std::map<std::string, std::set<unsigned int>> &ids_of_names,
+                          std::map<std::string, unsigned int> &single,
+                          std::map<std::string, std::set<unsigned int>> &joint)
+  {
+    for (const auto &[name, ids] : ids_of_names)
+      if (ids.size() == 1)
+        single.emplace(name, *ids.begin());
+      else
+        joint.emplace(name, ids);
+  }
+
   /** The ids of the comma-separated boundary names in an entry, for example `x min, struck end`.
    * Throws InputError for a name that the mesh does not have, with the nearest one, all names, and
    * what the source of the mesh has remarked about it. */

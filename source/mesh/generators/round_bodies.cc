@@ -391,8 +391,7 @@ namespace tombolo
                      ". Places are heights above the " + lower + ".");
       if (e.declares())
         return;
-      for (unsigned int d = 0; d < 3; ++d)
-        foot[d] = position[d];
+      std::copy(position.begin(), position.end(), foot.begin_raw());
       const auto layers =
           parse_segments(section, text,
                          {words.layers, " along the axis", words.body,
@@ -431,8 +430,7 @@ namespace tombolo
     {
       const std::vector<double> position =
           e.numbers("Position", "0, 0", 2, "", "The centre of the disc. Units: length");
-      for (unsigned int d = 0; d < 2; ++d)
-        centre[d] = position[d];
+      std::copy(position.begin(), position.end(), centre.begin_raw());
     }
 
     void create(Mesh<2> &mesh) const override

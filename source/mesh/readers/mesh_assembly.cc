@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/input_file.h>
+#include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/cell_quality.h>
-#include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/mesh_source.h>
 #include <tombolo/mesh/readers/cell_axes.h>
 #include <tombolo/mesh/readers/mesh_file.h>
@@ -48,18 +48,6 @@ namespace tombolo
         return std::tie(key, cell) < std::tie(other.key, other.cell);
       }
     };
-
-    /** Names of one id and names of several. */
-    void split_names(const std::map<std::string, std::set<unsigned int>> &ids_of_names,
-                     std::map<std::string, unsigned int> &single,
-                     std::map<std::string, std::set<unsigned int>> &joint)
-    {
-      for (const auto &[name, ids] : ids_of_names)
-        if (ids.size() == 1)
-          single.emplace(name, *ids.begin());
-        else
-          joint.emplace(name, ids);
-    }
 
     std::string boundary_name(const MeshFileContent &content, const unsigned int id)
     {
