@@ -152,28 +152,19 @@ namespace tombolo
   /** The values of a function at nodes at one time; one that does not depend on the position is
    * evaluated once. */
   template <int dim>
-  class ValuesAtNodes
+  struct ValuesAtNodes
   {
-  public:
-    ValuesAtNodes(const LimitedFunction<dim> &function, const NodalVector &initial_position,
-                  const double time)
-        : function(function), initial_position(initial_position), time(time)
-    {}
-
-    double operator()(const unsigned int node)
-    {
-      if (!is_evaluated || function.depends_on_position())
-        present = function.value(point_of<dim>(initial_position.node(node)), time);
-      is_evaluated = true;
-      return present;
-    }
-
-  private:
     const LimitedFunction<dim> &function;
     const NodalVector &initial_position;
     double time;
-    double present = 0;
-    bool is_evaluated = false;
+    std::optional<double> present{};
+
+    double operator()(const unsigned int node)
+    {
+      if (!present || function.depends_on_position())
+        present = function.value(point_of<dim>(initial_position.node(node)), time);
+      return *present;
+    }
   };
 
   template <int dim>
@@ -311,14 +302,14 @@ namespace tombolo
       const std::vector<double> &area = areas.areas(c);
       if (condition.type == ThermalConditionType::heat_flux && !only_films)
       {
-        ValuesAtNodes<dim> flux(*condition.function, initial_position, time);
+        ValuesAtNodes<dim> flux{*condition.function, initial_position, time};
         for (std::size_t k = 0; k < nodes.size(); ++k)
           action(c, nodes[k], area[k], SurfaceHeat{flux(nodes[k]), 0.});
       }
       else if (is_film(condition.type))
       {
-        ValuesAtNodes<dim> coefficient(*condition.coefficient, initial_position, time);
-        ValuesAtNodes<dim> ambient(*condition.ambient, initial_position, time);
+        ValuesAtNodes<dim> coefficient{*condition.coefficient, initial_position, time};
+        ValuesAtNodes<dim> ambient{*condition.ambient, initial_position, time};
         for (std::size_t k = 0; k < nodes.size(); ++k)
           action(c, nodes[k], area[k],
                  condition.film_heat(coefficient(nodes[k]), ambient(nodes[k]),
@@ -370,7 +361,7 @@ namespace tombolo
       {
         if (conditions[c].type != ThermalConditionType::heat_source)
           continue;
-        ValuesAtNodes<dim> source(*conditions[c].function, initial_position, time);
+        ValuesAtNodes<dim> source{*conditions[c].function, initial_position, time};
         for (const unsigned int node : source_nodes[c])
         {
           const double rate = source(node) * *initial_volume.node(node);
@@ -393,7 +384,7 @@ namespace tombolo
       {
         const unsigned int c = static_cast<unsigned int>(constraints[k].condition[0]);
         if (!values[c])
-          values[c].emplace(*conditions[c].function, initial_position, time);
+          values[c].emplace(ValuesAtNodes<dim>{*conditions[c].function, initial_position, time});
         const unsigned int node = constraint_nodes[k];
         temperature.node(node)[0] = (*values[c])(node);
       }

@@ -204,7 +204,7 @@ namespace tombolo
   template <int dim>
   const NodalVector *MortarContact<dim>::find_thermal(const NodalHeat &nodal_heat)
   {
-    if (!settings.has_heat || !settings.needs_temperature())
+    if (!settings.needs_temperature())
       return nullptr;
     using Segments = MortarSegments<dim>;
     const auto fill = [&](const unsigned int node, const unsigned int slot, const double area)
@@ -316,9 +316,8 @@ namespace tombolo
     (history.is_bonded ? settings.bond : settings.law)
         .press(move, step.mass, step.stable_step, step.time_step, spring, dissipated);
     totals.damping += history.area * dissipated;
-    const double temperature = settings.needs_temperature() && settings.has_heat
-                                   ? mean(node, MortarSegments<dim>::mean_temperature)
-                                   : 0.;
+    const double temperature =
+        settings.needs_temperature() ? mean(node, MortarSegments<dim>::mean_temperature) : 0.;
     if (history.is_bonded)
       spring.elastic_slip += move.along;
     else if (settings.friction.largest() > 0.)

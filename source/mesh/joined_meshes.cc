@@ -133,7 +133,6 @@ namespace tombolo
   class MeshPlacement
   {
   public:
-    /** Throws InputError. */
     explicit MeshPlacement(const Entries &e)
     {
       const std::string origin = dim == 2 ? "0, 0" : "0, 0, 0";

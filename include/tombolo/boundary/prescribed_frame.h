@@ -202,7 +202,6 @@ namespace tombolo
     /** Those of the coordinates. */
     LocalAxes() = default;
 
-    /** Declares `Axes`. */
     static void declare_parameters(const Entries &e)
     {
       e.text(

@@ -27,7 +27,6 @@ namespace tombolo
   /** Whether a section "Condition: NAME" is one of these, by its entry `Type`. */
   bool is_thermal(const Section &section);
 
-  /** Whether it prescribes temperatures. */
   inline bool prescribes(const ThermalConditionType type)
   {
     return type == ThermalConditionType::temperature;

@@ -142,7 +142,6 @@ namespace tombolo
       area = 0.;
     }
 
-    /** Adds the force on a node at @p x. */
     void add_force(const dealii::Tensor<1, dim> &node_force, const dealii::Tensor<1, dim> &x)
     {
       force += node_force;

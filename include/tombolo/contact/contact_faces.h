@@ -53,7 +53,6 @@ namespace tombolo
     return result;
   }
 
-  /** Whether two boxes have a point in common. */
   template <int dim>
   bool have_common_points(const dealii::BoundingBox<dim> &one,
                           const dealii::BoundingBox<dim> &other)
@@ -90,7 +89,6 @@ namespace tombolo
     using Selector = std::function<bool(const Cell &, unsigned int face)>;
     using IsGone = std::function<bool(const Cell &)>; ///< of owned and ghost cells
 
-    /** Has the faces that @p selects. */
     ContactFaces(const Nodes<dim> &nodes, const Selector &selects, const IsGone &is_gone = {})
     {
       const auto is_exposed = [&](const Cell &cell, const unsigned int f)
@@ -383,7 +381,6 @@ namespace tombolo
       }
     }
 
-    /** Drops what no pair needs, on both sides. */
     void drop_unused()
     {
       std::vector<double> is_used(received.size(), 0.), sent_is_used;

@@ -37,11 +37,6 @@ namespace tombolo
     /** Throws InputError. */
     ContactSettings(const Entries &e, bool has_heat = true);
 
-    /** Whether what happens depends on the temperature of nodes. */
-    bool needs_temperature() const
-    {
-      return !friction.is_constant() || splits_by_effusivity;
-    }
     /** Whether the force along the surface is limited by the area. */
     bool limits_shear() const
     {

@@ -228,7 +228,8 @@ namespace tombolo
     /** Whether the temperatures of the surfaces are needed. */
     bool needs_temperature() const
     {
-      return conducts() || bonding_temperature || !friction.is_constant() || splits_by_effusivity;
+      return has_heat &&
+             (conducts() || bonding_temperature || !friction.is_constant() || splits_by_effusivity);
     }
 
     /** The largest traction along the surface at a pressure and a mean temperature of both sides:
@@ -344,12 +345,6 @@ namespace tombolo
 
     /** Sums over ranks; forces are those on the slave. There are no torques. Collective. */
     ContactBalance balance() const;
-
-    /** Whether the temperatures of both sides are found in each step. */
-    bool finds_temperatures() const
-    {
-      return settings.has_heat && settings.needs_temperature();
-    }
 
     /** Mean and largest temperature of the slave nodes in contact, which are in slot 0 of
      * @p slave_temperature, or where that is null of the master below them in the last step; zero

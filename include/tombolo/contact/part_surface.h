@@ -46,7 +46,6 @@ namespace tombolo
     using Cell = std::array<unsigned int, n_corners>;
     using Weights = std::array<double, n_corners>;
 
-    /** A node that this rank owns. */
     struct OwnedNode
     {
       unsigned int number; ///< in the layer
@@ -59,7 +58,6 @@ namespace tombolo
     /** Translates node numbers to those of @p partition. */
     void set_partition(const NodePartition &partition);
 
-    /** The number of nodes of the layer. */
     std::size_t n_nodes() const
     {
       return initial_positions.size();
@@ -255,7 +253,6 @@ namespace tombolo
       return contact_points[point_of_candidate[candidate]];
     }
 
-    /** Adds minus the @p force on a candidate to the nodes of the part. */
     void add_reaction(const ContactPoint &point, const dealii::Tensor<1, dim> &force)
     {
       for (unsigned int c = 0; c < n_corners; ++c)

@@ -222,12 +222,10 @@ namespace tombolo
     {
       return part != nullptr;
     }
-    /** The nodes of that part. */
     const PartLayer<dim> &nodes_of_part() const
     {
       return part->nodes_of_part();
     }
-    /** Whether nodes have areas, those in contact and debris. */
     bool has_areas() const
     {
       return areas != nullptr;
@@ -299,7 +297,6 @@ namespace tombolo
       return *spread;
     }
 
-    /** Owned nodes that can touch. */
     const std::vector<unsigned int> &candidate_nodes() const
     {
       return candidates;

@@ -46,7 +46,6 @@ namespace tombolo
       this->read_motion(e, axis);
     }
 
-    /** Throws InputError where the file cannot be read or bounds no body. */
     void load(const MPI_Comm communicator) override
     {
       try

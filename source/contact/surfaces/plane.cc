@@ -12,7 +12,6 @@ namespace tombolo
   class Plane : public ContactSurface<dim>
   {
   public:
-    /** Throws InputError for a normal of no length. */
     explicit Plane(const Entries &e)
     {
       point = e.read("Point", mandatory, "L",

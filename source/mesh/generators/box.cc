@@ -75,7 +75,6 @@ namespace tombolo
   class Box : public MeshSource<dim>
   {
   public:
-    /** Throws InputError where an entry makes no box. */
     explicit Box(const Entries &e) : section(e.section())
     {
       const std::vector<double> lower =

@@ -304,7 +304,6 @@ namespace tombolo
       const char *upper_boundary;
     };
 
-    /** Throws InputError where the entries make no cylinder. */
     explicit Cylinder(const Entries &e)
         : Cylinder(e, Words{"cylinder", "Length", "Cells along axis", "Foot", "foot", "rear"})
     {}
@@ -425,7 +424,6 @@ namespace tombolo
   class Disc<2> : public MeshSource<2>
   {
   public:
-    /** Throws InputError where the entries make no disc. */
     explicit Disc(const Entries &e) : section(e.section()), round_section(e, {{'x', 'y'}}, "disc")
     {
       const std::vector<double> position =
@@ -478,7 +476,6 @@ namespace tombolo
   class Disc<3> : public Cylinder
   {
   public:
-    /** Throws InputError where the entries make no disc. */
     explicit Disc(const Entries &e)
         : Cylinder(e, Words{"disc", "Thickness", "Cells through thickness", "Position",
                             "lower face", "upper face"})

@@ -33,7 +33,6 @@ namespace tombolo
   class SphericalShell : public MeshSource<3>
   {
   public:
-    /** Throws InputError where the entries make no shell. */
     explicit SphericalShell(const Entries &e) : section(e.section())
     {
       const double inner = e.number("Inner radius", mandatory, positive(0.), "", "Units: length");

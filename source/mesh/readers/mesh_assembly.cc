@@ -494,7 +494,6 @@ namespace tombolo
                        "millimetres in a scene in metres.");
     }
 
-    /** Throws InputError on every rank where the file cannot be read or makes no mesh. */
     void create(Mesh<dim> &mesh) const override
     {
       const MPI_Comm communicator = communicator_of(mesh.triangulation);
@@ -511,7 +510,6 @@ namespace tombolo
       }
     }
 
-    /** The same. */
     std::vector<long long> node_numbers() const override
     {
       try

@@ -394,7 +394,7 @@ namespace tombolo
           continue;
         add_temperatures(
             "slave", contact->temperatures_in_contact(&model.heat->state.present_temperature), row);
-        if (contact->finds_temperatures())
+        if (contact->contact_settings().needs_temperature())
           add_temperatures("master", contact->temperatures_in_contact(nullptr), row);
       }
     }
