@@ -297,7 +297,8 @@ namespace tombolo
   void MechanicalConditions<dim>::add_surface_forces(const unsigned int c, const NodalState &state,
                                                      const double time, const Put &put) const
   {
-    const std::vector<unsigned int> &nodes = areas.nodes(c);
+    const auto &group = areas.group(c);
+    const std::vector<unsigned int> &nodes = group.nodes;
     const Expression<dim> &function = *conditions[c].function;
     const bool is_pressure = conditions[c].type == MechanicalConditionType::pressure;
     double value[3] = {0, 0, 0};
@@ -317,8 +318,7 @@ namespace tombolo
       }
       double force[3] = {0, 0, 0};
       for (unsigned int d = 0; d < dim; ++d)
-        force[d] =
-            is_pressure ? -value[0] * areas.outward_areas(c)[k][d] : value[d] * areas.areas(c)[k];
+        force[d] = is_pressure ? -value[0] * group.outward_areas[k][d] : value[d] * group.areas[k];
       put(nodes[k], force);
     }
   }

@@ -298,8 +298,8 @@ namespace tombolo
     for (unsigned int c = 0; c < conditions.size(); ++c)
     {
       const ThermalCondition<dim> &condition = conditions[c];
-      const std::vector<unsigned int> &nodes = areas.nodes(c);
-      const std::vector<double> &area = areas.areas(c);
+      const std::vector<unsigned int> &nodes = areas.group(c).nodes;
+      const std::vector<double> &area = areas.group(c).areas;
       if (condition.type == ThermalConditionType::heat_flux && !only_films)
       {
         ValuesAtNodes<dim> flux{*condition.function, initial_position, time};

@@ -216,12 +216,10 @@ namespace tombolo
       if (settings.splits_by_effusivity)
         thermal.node(node)[Segments::effusivity] = nodal_heat.enthalpy->effusivity(node, theta);
     };
-    for (std::size_t k = 0; k < stiffness.areas_of_slaves().size(); ++k)
-      fill(slaves.owned_nodes()[k], Segments::slave_inverse_capacity,
-           stiffness.areas_of_slaves()[k]);
-    for (std::size_t k = 0; k < stiffness.areas_of_masters().size(); ++k)
-      fill(masters.owned_nodes()[k], Segments::master_inverse_capacity,
-           stiffness.areas_of_masters()[k]);
+    for (std::size_t k = 0; k < stiffness.slave_areas.size(); ++k)
+      fill(slaves.owned_nodes()[k], Segments::slave_inverse_capacity, stiffness.slave_areas[k]);
+    for (std::size_t k = 0; k < stiffness.master_areas.size(); ++k)
+      fill(masters.owned_nodes()[k], Segments::master_inverse_capacity, stiffness.master_areas[k]);
     thermal.update_ghosts();
     return &thermal;
   }
@@ -238,7 +236,7 @@ namespace tombolo
       find_stiffness(state, clock);
     segments.gather(state.position, last_position, find_thermal(nodal_heat));
     const Step step{clock.previous_step, clock.stable_step,
-                    stiffness.value() * clock.stable_step * clock.stable_step / settings.stiffness};
+                    stiffness.value * clock.stable_step * clock.stable_step / settings.stiffness};
     for (std::size_t k = 0; k < histories.size(); ++k)
     {
       const unsigned int node = slaves.owned_nodes()[k];

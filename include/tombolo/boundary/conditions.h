@@ -37,6 +37,15 @@ namespace tombolo
   class TributaryAreas
   {
   public:
+    struct Group
+    {
+      std::vector<unsigned int> nodes; ///< of this rank's faces, each once (local, ghosts too)
+      std::vector<double> areas;       ///< of each of them [L^(dim-1)]
+      std::vector<dealii::Tensor<1, dim>> outward_areas; ///< likewise; zero without orientation
+      std::vector<unsigned int> index_of_node; ///< of each local node in nodes; invalid: none
+      bool is_initial = false;                 ///< areas are those of the initial positions
+    };
+
     TributaryAreas(const unsigned int n_groups, const Nodes<dim> &nodes)
         : groups(n_groups), all_nodes(nodes.owned().size()),
           shapes(nodes.degree(), nodes.degree() + 1)
@@ -169,22 +178,9 @@ namespace tombolo
       }
     }
 
-    /** Nodes of this rank's faces of a group, each once (local numbers, ghosts too). */
-    const std::vector<unsigned int> &nodes(const unsigned int group) const
+    const Group &group(const unsigned int number) const
     {
-      return groups[group].nodes;
-    }
-
-    /** The area of each of nodes() [L^(dim-1)]. */
-    const std::vector<double> &areas(const unsigned int group) const
-    {
-      return groups[group].areas;
-    }
-
-    /** The outward area of each of nodes() [L^(dim-1)]; zero in groups without orientation. */
-    const std::vector<dealii::Tensor<1, dim>> &outward_areas(const unsigned int group) const
-    {
-      return groups[group].outward_areas;
+      return groups[number];
     }
 
     /** Owned nodes of the faces of all groups and ranks, ascending. Collective. */
@@ -208,15 +204,6 @@ namespace tombolo
       std::vector<unsigned int> indices; ///< in the list of nodes of its group
       double orientation = 0.;           ///< 0: its area has no direction
     };
-    struct Group
-    {
-      std::vector<unsigned int> nodes;
-      std::vector<unsigned int> index_of_node; ///< of each local node in nodes; invalid: none
-      std::vector<double> areas;
-      std::vector<dealii::Tensor<1, dim>> outward_areas;
-      bool is_initial = false; ///< areas are those of the initial positions
-    };
-
     /** ∫ N_k n dA and, in the last slot, ∫ N_k dA of a face with these nodes, for its nodes. */
     void find_areas(const NodalVector &position, const std::vector<unsigned int> &nodes)
     {

@@ -33,9 +33,12 @@ namespace tombolo
    * demand it, and stiffer only while nothing touches. Masses per area are found every 16 steps.
    */
   template <int dim>
-  class MortarStiffness
+  struct MortarStiffness
   {
-  public:
+    double value = 0;                              ///< κ [M/(L^(dim-1) T^2)]; zero without contact
+    std::vector<double> slave_areas, master_areas; ///< of owned nodes of each side, for masses
+    double mass_per_area = 0; ///< 1/(1/μ_s + 1/μ_m); zero: the next find() computes it
+
     /** The present κ, of springs of @p law, for this @p share of the masses. Collective in every
      * 16th step. */
     void find(const NodalState &state, const Clock &clock, const ContactLaw &law,
@@ -53,25 +56,10 @@ namespace tombolo
         Utilities::MPI::min(least, state.partition()->communicator(), least);
         mass_per_area = 1. / (1. / least[0] + 1. / least[1]);
         if (least[2] == 0.)
-          stiffness = 0.;
+          value = 0.;
       }
       const double allowed = law.stiffness(share * mass_per_area, clock.stable_step);
-      stiffness = stiffness > 0. ? std::min(stiffness, allowed) : allowed;
-    }
-
-    double value() const ///< κ [M/(L^(dim-1) T^2)]; zero without contact
-    {
-      return stiffness;
-    }
-
-    /** Areas of owned nodes of each side. */
-    const std::vector<double> &areas_of_slaves() const
-    {
-      return slave_areas;
-    }
-    const std::vector<double> &areas_of_masters() const
-    {
-      return master_areas;
+      value = value > 0. ? std::min(value, allowed) : allowed;
     }
 
     /** Lists what is kept from step to step, of nodes of these faces, which are referred to;
@@ -80,19 +68,13 @@ namespace tombolo
     void list(Records &records, const ContactFaces<dim> &slaves, const ContactFaces<dim> &masters,
               const bool continues)
     {
-      const auto number = [](double &value) -> double & { return value; };
+      const auto number = [](double &area) -> double & { return area; };
       records.value("mass per area", mass_per_area);
-      auto &stiffness_record = records.value("stiffness", stiffness);
+      auto &stiffness_record = records.value("stiffness", value);
       if (continues)
         stiffness_record.continues();
       records.at_nodes(slaves.owned_nodes(), slave_areas).numbers("areas of the slave", number);
       records.at_nodes(masters.owned_nodes(), master_areas).numbers("areas of the master", number);
-    }
-
-    /** The next find() computes the masses anew. */
-    void reset_masses()
-    {
-      mass_per_area = 0.;
     }
 
   private:
@@ -109,10 +91,6 @@ namespace tombolo
           least = std::min(least, *mass.node(nodes[k]) / areas[k]);
       return least;
     }
-
-    std::vector<double> slave_areas, master_areas; ///< of owned nodes, for masses per area
-    double mass_per_area = 0; ///< 1/(1/μ_s + 1/μ_m); zero before it is computed
-    double stiffness = 0;
   };
 
   /** The data of a slave node of a contact between bodies from step to step. The normal is out of
@@ -288,7 +266,7 @@ namespace tombolo
       const std::vector<unsigned int> former_nodes = slaves.owned_nodes();
       slaves = ContactFaces<dim>(nodes, is_slave, is_gone);
       masters = ContactFaces<dim>(nodes, is_master, is_gone);
-      stiffness.reset_masses();
+      stiffness.mass_per_area = 0.;
       set_partition(std::shared_ptr<const NodePartition>(traction.partition()));
       totals.damping += NodeHistory::move(former_nodes, slaves.owned_nodes(), histories);
     }

@@ -102,19 +102,7 @@ namespace tombolo
 
   /**
    * A history of items of one kind, such as contacts or sections, each with columns whose names
-   * begin with its own. It is filled by the processes that have them:
-   *
-   * @verbatim
-   *   this->observed.history("section history",
-   *                          [this](BalanceHistory<dim> &row)
-   *                          {
-   *                            for (const ImpulseBalance &balance : balances())
-   *                            {
-   *                              row.begin_item(balance);
-   *                              row.add_impulses();
-   *                            }
-   *                          });
-   * @endverbatim
+   * begin with its own. It is filled by the processes that have them (doc/add_a_process.md).
    *
    * Rows have means since the row before. The summary has the impulse of each item at the last
    * output, by its name, and what else it is given.
