@@ -123,7 +123,7 @@ namespace tombolo
       : communicator(nodes.communicator()), pairing(std::move(face_pairing)),
         settings(section, pairing->is_tied(), has_heat), contact_name(section.name()),
         slaves(nodes, is_slave), masters(nodes, is_master),
-        segments(slaves, masters, *pairing, communicator)
+        segments(slaves, masters, *pairing, settings.splits_by_effusivity, communicator)
   {
     const auto n_slaves = Utilities::MPI::sum(slaves.faces().size(), communicator);
     const auto n_masters = Utilities::MPI::sum(masters.faces().size(), communicator);
@@ -140,8 +140,6 @@ namespace tombolo
     if (is_one_surface && pairing->is_tied())
       section.fail("Type", "slave and master are the same faces; a surface cannot be tied to "
                            "itself.");
-    if (settings.splits_by_effusivity)
-      segments.split_by_effusivity();
     set_partition(state.partition());
     histories.resize(slaves.owned_nodes().size());
     start(section, nodes, state);

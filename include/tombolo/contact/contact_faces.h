@@ -95,8 +95,8 @@ namespace tombolo
       { return is_gone && !cell->at_boundary(f) && is_gone(cell->neighbor(f)); };
       const auto is_of_side = [&](const Cell &cell, const unsigned int f)
       {
-        return (nodes.is_outer_face(cell, f) || is_exposed(cell, f)) &&
-               !(is_gone && is_gone(cell)) && selects(cell, f);
+        return !(is_gone && is_gone(cell)) &&
+               (nodes.is_outer_face(cell, f) || is_exposed(cell, f)) && selects(cell, f);
       };
       const auto add = [&](const Cell &cell, const unsigned int f, const auto &face_nodes,
                            const auto &face_points)

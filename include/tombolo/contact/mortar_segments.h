@@ -60,21 +60,16 @@ namespace tombolo
 
     /** What is referred to must outlive this. */
     MortarSegments(const ContactFaces<dim> &slaves, const ContactFaces<dim> &masters,
-                   const Pairing<dim> &pairing, const MPI_Comm communicator)
+                   const Pairing<dim> &pairing, const bool sums_effusivity,
+                   const MPI_Comm communicator)
         : slaves(slaves), masters(masters), pairing(pairing), communicator(communicator),
-          exchange(communicator)
+          exchange(communicator), sums_effusivity(sums_effusivity)
     {
       double thinnest = std::numeric_limits<double>::max();
       for (const ContactFaces<dim> *const side : {&slaves, &masters})
         for (const auto &face : side->faces())
           thinnest = std::min(thinnest, face.thickness);
       margin = dealii::Utilities::MPI::min(thinnest, communicator);
-    }
-
-    /** Finds the sums of effusivities as well. Before set_partition(). */
-    void split_by_effusivity()
-    {
-      sums_effusivity = true;
     }
 
     /** Translates node numbers to those of @p partition; the faces have it. */
@@ -481,6 +476,6 @@ namespace tombolo
     std::vector<unsigned int> nodes; ///< local ones on any face, ascending
     unsigned int n_values = 0;       ///< of a corner of a master
     std::vector<double> sent_values, values, returned; // buffers
-    bool has_pairs = false, sums_effusivity = false;
+    bool has_pairs = false, sums_effusivity;
   };
 } // namespace tombolo
