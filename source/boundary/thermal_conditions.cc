@@ -149,8 +149,7 @@ namespace tombolo
   template struct ThermalCondition<2>;
   template struct ThermalCondition<3>;
 
-  /** The values of a function at nodes at one time; one that does not depend on the position is
-   * evaluated once. */
+  /** A function at nodes at one time, evaluated once where it is the same everywhere. */
   template <int dim>
   struct ValuesAtNodes
   {

@@ -238,8 +238,7 @@ namespace tombolo
       pressed, ///< ∫ N_I dA over the points behind the surface, by the weights of rubbing
       squares  ///< ∫ N_I <-g>² dA
     };
-    /** The slot of normals and motions with the integrals of approaches of points that are and that
-     * were behind the surface. */
+    /** The slot of normals and motions with approaches of points that are, were behind it. */
     static constexpr unsigned int approach = node_stride - 1;
 
     /** Finds the points behind the surface at t_n or before, and A_I. */

@@ -80,8 +80,7 @@ namespace tombolo
       return history.is_bonded ? depth : std::max(0., depth);
     }
 
-    /** Throws the InputError that tied bodies are apart, with the distance of the nearest of these
-     * owned nodes. Collective. */
+    /** Throws the InputError that tied bodies are apart, and how far. Collective. */
     template <int dim>
     [[noreturn]] void refuse_distance(const Section &section, const NodalState &state,
                                       const std::vector<unsigned int> &slave_nodes,

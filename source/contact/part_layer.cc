@@ -13,8 +13,7 @@ namespace tombolo
 {
   namespace
   {
-    /** Whether the part ends at a face of one of its cells, as far as this rank has cells: beyond
-     * ghost cells it does not. */
+    /** Whether the part ends at a face of its cells; beyond ghost cells it does not. */
     template <int dim>
     bool is_end(const Nodes<dim> &nodes, const typename Nodes<dim>::Cell &cell,
                 const unsigned int face, const typename PartLayer<dim>::Selector &is_of_part)

@@ -15,8 +15,7 @@ namespace tombolo
   namespace
   {
     constexpr unsigned int no_point = static_cast<unsigned int>(-1);
-    /** How deep behind a side that it faces a node may be where it begins to touch, over the size
-     * of the cell there. */
+    /** How deep a node may be behind a side where it begins to touch, over the size of the cell. */
     constexpr double depth_of_onset = 0.1;
 
     /** The number in @p list of each vertex of the @p surface that was made of it. Throws

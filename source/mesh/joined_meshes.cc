@@ -116,8 +116,7 @@ namespace tombolo
       return result;
     }
 
-    /** The source that the entry `Type` of a section chooses: declares it and the entries of all
-     * sources, or reads. */
+    /** The source of the entry `Type`: declares it and the entries of all sources, or reads. */
     template <int dim>
     std::unique_ptr<MeshSource<dim>> chosen_mesh_source(const Entries &e)
     {
@@ -127,8 +126,7 @@ namespace tombolo
     }
   } // namespace
 
-  /** Where a mesh is put: turned about a point, in three dimensions about an axis through it, and
-   * then shifted. */
+  /** Where a mesh is put: turned about a point or an axis through it, then shifted. */
   template <int dim>
   class MeshPlacement
   {

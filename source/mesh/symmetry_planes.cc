@@ -97,8 +97,7 @@ namespace tombolo
       return as_text(axis_name[axis], " = ", coordinate);
     }
 
-    /** The axis that the plane of the nodes is normal to. Throws InputError where there is no such
-     * axis or more than one. */
+    /** The one axis that the plane of the nodes is normal to. Throws InputError. */
     template <int dim>
     unsigned int axis_of(const Section &section, const Extent<dim> &plane_extent,
                          const double tolerance)

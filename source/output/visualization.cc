@@ -51,8 +51,7 @@ namespace tombolo
 
   namespace
   {
-    /** Adds the names of all parts, of elements and of particles, since `part` is an index among
-     * all. */
+    /** Adds the names of all parts, since `part` is an index among all. */
     template <int dim>
     void add_part_names(const OutputView<dim> &view, VtuPiece &piece)
     {

@@ -31,8 +31,7 @@ namespace tombolo
     return std::sqrt(0.5 * (a * a + b * b + c * c) + 3 * shear);
   }
 
-  /** The principal values of the tensor with these six components, the largest first; NaN where one
-   * of them is not finite. */
+  /** The principal values, the largest first; NaN where a component is not finite. */
   inline std::array<double, 3> principal_values(const double *const tensor)
   {
     std::array<double, 3> result;

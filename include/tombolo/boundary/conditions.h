@@ -151,8 +151,7 @@ namespace tombolo
       }
     }
 
-    /** Finds the areas in these positions (ghosts current), in the initial ones where a group keeps
-     * these. */
+    /** Finds the areas in these positions (ghosts current), or in the initial ones of a group. */
     void update(const NodalVector &position, const NodalVector &initial_position)
     {
       for (Group &group : groups)

@@ -97,8 +97,7 @@ namespace tombolo
 
     /** The prescribed displacement from @p initial at @p time, of a displacement: R(angle) (X - c)
      * - (X - c) where it turns, and the function [L]; components are along the axes. Throws
-     * RunError where that has no finite value.
-     */
+     * RunError. */
     double displacement(const dealii::Point<dim> &initial, unsigned int component,
                         double time) const;
 

@@ -42,8 +42,7 @@ namespace tombolo
     /** The value along axis k is Σ_r weights[k][r] times the value of row r. */
     dealii::Tensor<2, dim> weights;
 
-    /** Of the rows of one node. Of those whose directions are not independent the later conditions
-     * act. */
+    /** Of the rows of one node; of those that are not independent the later conditions act. */
     explicit PrescribedFrame(std::vector<PrescribedRow<dim>> all)
     {
       condition.fill(-1);

@@ -67,8 +67,7 @@ namespace tombolo
     /** Declares, in the section of one condition, the entries that MechanicalCondition does not. */
     static void declare_parameters(const Entries &e);
 
-    /** Reads what the type needs and nothing else. @p heat has the absolute zero. Throws
-     * InputError. */
+    /** Reads what the type needs; @p heat has the absolute zero. Throws InputError. */
     static ThermalCondition read(const Section &section, const Section &heat);
 
     /** Of convection, h (θ_a - θ), and radiation, ε σ ((θ_a - θ_0)^4 - (θ - θ_0)^4), where @p
@@ -138,8 +137,7 @@ namespace tombolo
 
     /** Adds the heat per unit time that enters through surfaces at @p time, with the temperature of
      * the surface in slot 0 of @p temperature (ghosts current), to slot 0 of @p heat_rate, ghosts
-     * too: the caller collects. Adds the heat of each condition on this rank to
-     * @p condition_rates. */
+     * too, and that of each condition on this rank to @p condition_rates. */
     void add_surface_heat(const NodalVector &initial_position, const NodalVector &temperature,
                           double time, NodalVector &heat_rate,
                           std::vector<double> &condition_rates) const;

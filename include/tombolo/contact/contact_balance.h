@@ -70,8 +70,7 @@ namespace tombolo
     double area = 0;                       ///< likewise, where areas are known [L^(dim-1)]
     double penetration = 0;                ///< the largest [L]
 
-    /** Adds those of another contact, but for what is of one surface alone: position,
-     * temperature. */
+    /** Adds those of another contact, but for position and temperature, which are of one alone. */
     void add(const ContactBalance &other)
     {
       ContactBalance other_shares = other;
@@ -81,8 +80,7 @@ namespace tombolo
       penetration = std::max(penetration, other.penetration);
     }
 
-    /** From shares of single ranks to the sums over ranks, and the largest penetration. Collective.
-     */
+    /** From shares of ranks to the sums over them, and the largest penetration. Collective. */
     void sum_over_ranks(const MPI_Comm communicator)
     {
       const std::vector<double *> values = sums();

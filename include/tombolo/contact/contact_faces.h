@@ -199,8 +199,7 @@ namespace tombolo
   public:
     static constexpr unsigned int n_corners = ContactFaces<dim>::n_corners;
 
-    /** A pair of faces: local number of the slave face, index of the master face among masters().
-     */
+    /** A pair: local number of the slave face, index of the master face among masters(). */
     struct Pair
     {
       unsigned int slave, master;
@@ -219,9 +218,7 @@ namespace tombolo
     {}
 
     /** Finds the pairs whose boxes are closer than @p reach times the thickness of the slave face
-     * and
-     * @p margin [L], in these positions (ghosts current). Faces with a common node are no pair.
-     * Collective. */
+     * and @p margin [L], in these positions (ghosts current), without common nodes. Collective. */
     void find_pairs(const ContactFaces<dim> &slaves, const ContactFaces<dim> &masters,
                     const NodalVector &position, const double reach, const double margin)
     {

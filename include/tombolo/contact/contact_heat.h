@@ -103,8 +103,7 @@ namespace tombolo
   class ContactHeat
   {
   public:
-    /** @p surface is null where the surface is that of no part. What is referred to must outlive
-     * this. Throws InputError. */
+    /** @p surface is null where it is that of no part. All must outlive this. Throws InputError. */
     ContactHeat(const Section &section, const ContactSettings &settings,
                 const std::vector<unsigned int> &candidates, PartSurface<dim> *surface);
 
@@ -121,8 +120,7 @@ namespace tombolo
     /** Begins a step, without contacts. Collective. */
     void begin_step(const NodalHeat &nodal_heat);
 
-    /** A node in contact in a step of size @p time_step: candidate @p k, pressed with @p
-     * normal_force on @p area. */
+    /** In a step of size @p time_step candidate @p k is pressed with @p normal_force on @p area. */
     void add_contact(const std::size_t k, const double normal_force, const double area,
                      const double time_step)
     {

@@ -86,15 +86,13 @@ namespace tombolo
   public:
     ContactLaw() = default;
 
-    /** @p stiffness is α, @p damping the fraction ζ of critical damping, also while the mass leaves
-     * where @p damps_return. */
+    /** @p stiffness is α, @p damping ζ, also while the mass leaves where @p damps_return. */
     ContactLaw(const double stiffness, const double damping, const bool damps_return = false)
         : stiffness_factor(stiffness), damping_ratio(damping), damps_return(damps_return)
     {}
 
-    /** The same springs, without dampers, for the increments of static steps: these have no rates,
-     * and what the normal force dissipates in them is the error of their integration, not
-     * counted. */
+    /** The same springs without dampers, for static steps: these have no rates, and what the normal
+     * force dissipates in them is the error of their integration, not counted. */
     ContactLaw without_rates() const
     {
       ContactLaw law(stiffness_factor, 0.);

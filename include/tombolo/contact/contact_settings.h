@@ -12,8 +12,7 @@ namespace tombolo
   /** The surface of a contact that is the boundary of a part. */
   constexpr const char *surface_of_part = "part";
 
-  /** Friction and its heat, as the section of a contact with a surface or between bodies sets
-   * them. */
+  /** Friction and its heat, of a contact with a surface or between bodies. */
   struct FrictionSettings
   {
     TemperatureTable friction; ///< Coulomb's coefficient, over the temperature
@@ -25,8 +24,7 @@ namespace tombolo
   protected:
     explicit FrictionSettings(const bool has_heat) : has_heat(has_heat) {}
 
-    /** The entries `Friction`, over a temperature only in a scene with heat, and `Heat fraction`.
-     * Throw InputError. */
+    /** `Friction`, over a temperature only with heat, and `Heat fraction`. Throw InputError. */
     void read_friction(const Entries &e, const std::string &documentation);
     void read_heat_fraction(const Entries &e, const std::string &documentation);
   };

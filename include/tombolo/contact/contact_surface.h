@@ -26,8 +26,7 @@ namespace tombolo
   public:
     virtual ~ContactSurface() = default;
 
-    /** Reads the files of the surface. Called once before all that follows. Throws InputError on
-     * every rank. Collective. */
+    /** Reads the files of the surface, before all that follows. Throws InputError. Collective. */
     virtual void load(MPI_Comm) {}
 
     /** The text about the surface in the audit; empty if its entries are enough. */
@@ -109,8 +108,7 @@ namespace tombolo
      * evaluate_gaps() and the others must follow its displacement. */
     virtual RigidTranslation<dim> &translation() = 0;
 
-    /** The same surface where it is the boundary of a part of the scene; null where it is rigid and
-     * no part of it. */
+    /** The same surface where it is the boundary of a part of the scene, else null. */
     virtual PartSurface<dim> *part_surface()
     {
       return nullptr;

@@ -39,8 +39,7 @@ namespace tombolo
     std::vector<double> slave_areas, master_areas; ///< of owned nodes of each side, for masses
     double mass_per_area = 0; ///< 1/(1/μ_s + 1/μ_m); zero: the next find() computes it
 
-    /** The present κ, of springs of @p law, for this @p share of the masses. Collective in every
-     * 16th step. */
+    /** The present κ, for this @p share of the masses. Collective in every 16th step. */
     void find(const NodalState &state, const Clock &clock, const ContactLaw &law,
               const double share, const bool touches, ContactFaces<dim> &slaves,
               ContactFaces<dim> &masters)
@@ -62,9 +61,8 @@ namespace tombolo
       value = value > 0. ? std::min(value, allowed) : allowed;
     }
 
-    /** Lists what is kept from step to step, of nodes of these faces, which are referred to;
-     * @p continues: a run that starts from the end of another starts with the stiffness from
-     * there. */
+    /** Lists what is kept from step to step, of nodes of these faces, which are referred to; @p
+     * continues: a run that starts from the end of another has its stiffness. */
     void list(Records &records, const ContactFaces<dim> &slaves, const ContactFaces<dim> &masters,
               const bool continues)
     {
@@ -93,8 +91,7 @@ namespace tombolo
     }
   };
 
-  /** The data of a slave node of a contact between bodies from step to step. The normal is out of
-   * the master. */
+  /** The data of a slave node from step to step. The normal is out of the master. */
   template <int dim>
   struct MortarHistory
   {
@@ -149,9 +146,8 @@ namespace tombolo
       return cut;
     }
 
-    /** After a change from positions @p before without a motion: springs are deeper by as much as
-     * the gap is smaller, and new overlaps have no force. Positions have current ghosts.
-     * Collective. */
+    /** After a change from positions @p before without a motion (ghosts current): springs are
+     * deeper by as much as the gap is smaller, and new overlaps have no force. Collective. */
     static void place(const NodalVector &before, const NodalVector &position,
                       const std::vector<unsigned int> &nodes, MortarSegments<dim> &segments,
                       std::vector<MortarHistory<dim>> &histories)
@@ -271,8 +267,7 @@ namespace tombolo
       totals.damping += NodeHistory::move(former_nodes, slaves.owned_nodes(), histories);
     }
 
-    /** See ModelSignals::nodes_placed. Positions have current ghosts. Not of tied surfaces.
-     * Collective. */
+    /** See ModelSignals::nodes_placed. Positions have ghosts. Not of tied surfaces. Collective. */
     void place_nodes(const NodalVector &before, const NodalVector &position)
     {
       NodeHistory::place(before, position, slaves.owned_nodes(), segments, histories);
@@ -303,8 +298,7 @@ namespace tombolo
       settings.law = settings.bond = settings.bond.without_rates();
     }
 
-    /** The stiffness of the springs in this step: add_forces() calls it in explicit steps only.
-     * Collective. */
+    /** The stiffness of the springs; add_forces() calls it in explicit steps only. Collective. */
     void find_stiffness(const NodalState &state, const Clock &clock)
     {
       const bool touches =
@@ -324,9 +318,8 @@ namespace tombolo
     /** Sums over ranks; forces are those on the slave. There are no torques. Collective. */
     ContactBalance balance() const;
 
-    /** Mean and largest temperature of the slave nodes in contact, which are in slot 0 of
-     * @p slave_temperature, or where that is null of the master below them in the last step; zero
-     * without such. Collective. */
+    /** Mean and largest temperature of slave nodes in contact, in slot 0 of @p slave_temperature,
+     * or where that is null of the master below them in the last step; zero without. Collective. */
     std::array<double, 2> temperatures_in_contact(const NodalVector *slave_temperature) const
     {
       using Segments = MortarSegments<dim>;

@@ -48,8 +48,7 @@ namespace tombolo
       mean_temperature        ///< the mean of Σ_L w^m_IL θ_L and Σ_J w^s_IJ θ_J
     };
 
-    /** Thermal slots of nodes: the temperature, and 1/γ, the area over the heat capacity, as nodes
-     * of slave and of master. */
+    /** Thermal slots of nodes: temperature, and 1/γ, area over heat capacity, on either side. */
     enum Thermal : unsigned int
     {
       temperature,
@@ -370,8 +369,7 @@ namespace tombolo
       return {number, face.thickness, corners, face.orientation * area_vector<dim>(corners)};
     }
 
-    /** With @p n_corner_values values for each corner of a master, the first of which are
-     * positions. */
+    /** With @p n_corner_values values for each corner of a master, positions first. */
     PairedFace<dim> master_face(const unsigned int number, const std::vector<double> &corner_values,
                                 const unsigned int n_corner_values) const
     {

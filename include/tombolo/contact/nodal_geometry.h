@@ -22,8 +22,7 @@ namespace tombolo
       return cross_product_3d(arm, force);
   }
 
-  /** The vector @p tangent, across the unit vector @p before, in the shortest rotation from
-   * @p before to @p now. */
+  /** @p tangent, across the unit vector @p before, in the shortest rotation to @p now. */
   template <int dim>
   dealii::Tensor<1, dim> rotated_tangent(const dealii::Tensor<1, dim> &tangent,
                                          const dealii::Tensor<1, dim> &before,
@@ -35,8 +34,7 @@ namespace tombolo
     return tangent - (now * tangent) / (1. + cosine) * (before + now);
   }
 
-  /** The axis of coordinates that is furthest from a direction of length one, made perpendicular to
-   * it, with the length one. */
+  /** A unit vector across a direction of length one: of the axis furthest from it. */
   template <int dim>
   dealii::Tensor<1, dim> direction_across(const dealii::Tensor<1, dim> &direction)
   {

@@ -78,8 +78,7 @@ namespace tombolo
       find_nodes_on_faces();
     }
 
-    /** Faces with a node that is separated from its body do not count any more. @p nodes are all
-     * such owned nodes. Collective. */
+    /** Faces with one of these owned nodes, all that are separated, count no more. Collective. */
     void set_isolated_nodes(const std::vector<unsigned int> &nodes)
     {
       const NodalVector isolated =
@@ -92,8 +91,7 @@ namespace tombolo
       find_nodes_on_faces();
     }
 
-    /** Finds the areas in these positions (ghosts current), with @p nodes only those of these owned
-     * nodes. Collective. */
+    /** Finds the areas in these positions (ghosts current), or of owned @p nodes. Collective. */
     void update(const NodalVector &position, const std::vector<unsigned int> *const nodes = nullptr)
     {
       // The owner determines whether a ghost is needed.

@@ -66,8 +66,7 @@ namespace tombolo
     virtual void find(const PairedFace<dim> &slave, const std::vector<PairedFace<dim>> &masters,
                       std::vector<FacePair<dim>> &pairs) const = 0;
 
-    /** Whether the pairs of the start are kept, which hold each other, also in tension: the normal
-     * turns with the slave face. */
+    /** Whether pairs of the start are kept, also in tension; the normal turns with the slave. */
     virtual bool is_tied() const
     {
       return false;

@@ -213,8 +213,7 @@ namespace tombolo
      * where no others are left. Collective. */
     void drop_own_nodes(const Section &contact, std::vector<unsigned int> &candidates) const;
 
-    /** Sets the outward areas of owned nodes, by which sides of edges differ; must outlive the
-     * surface. */
+    /** Sets the outward areas, by which sides of edges differ; must outlive the surface. */
     void set_areas(const OutwardAreas<dim> &areas)
     {
       this->areas = &areas;
@@ -231,8 +230,7 @@ namespace tombolo
       refit();
     }
 
-    /** The positions of the state, and masses; the former positions become the last ones.
-     * Collective. */
+    /** The positions of the state, and masses; the former ones become the last. Collective. */
     void follow(const NodalState &state)
     {
       last_positions = std::move(positions);
@@ -244,8 +242,7 @@ namespace tombolo
       refit();
     }
 
-    /** Finds the contact points of these candidates, whose owned nodes are in @p nodes, until the
-     * next call. Collective. */
+    /** Finds the contact points of these candidates, with owned @p nodes. Collective. */
     void find_contact_points(const NodalState &state, const std::vector<unsigned int> &nodes,
                              const std::vector<std::size_t> &candidates);
     const ContactPoint &contact_point(const std::size_t candidate) const

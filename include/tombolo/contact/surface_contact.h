@@ -63,8 +63,7 @@ namespace tombolo
     std::vector<double> volume;
     MasterPart<dim> master; ///< whose own nodes are no candidates
 
-    /** The boundaries that the section of a contact names; none for the whole surface. Throws
-     * InputError. */
+    /** The boundaries of the section; none for the whole surface. Throws InputError. */
     std::set<dealii::types::boundary_id> boundaries() const;
 
     /** The owned nodes (local numbers, ascending) that a contact can touch: those on faces of
@@ -147,8 +146,7 @@ namespace tombolo
               state.position.node(candidates[k])[d] - before.node(candidates[k])[d];
     }
 
-    /** The yield stress at owned nodes that can touch, for the steps to come, where it limits the
-     * shear: it is referred to. */
+    /** The yield stress at owned nodes, where it limits the shear: it is referred to. */
     void set_yield_stress(const std::vector<double> &nodal_stress)
     {
       yield_stress = &nodal_stress;
@@ -182,8 +180,7 @@ namespace tombolo
         heat->add_exposure(exposure);
     }
 
-    /** Exchanges heat between nodes and tool after the forces of all contacts at t_n. Collective.
-     */
+    /** Exchanges heat of nodes and tool after the forces of all contacts at t_n. Collective. */
     void exchange_heat(const NodalHeat &nodal_heat)
     {
       if (heat)
@@ -216,8 +213,7 @@ namespace tombolo
     {
       return heat && heat->conducts();
     }
-    /** Whether the surface is that of a part of the scene: the works and the heat of both sides are
-     * those of bodies. */
+    /** Whether the surface is that of a part: works and heat of both sides are those of bodies. */
     bool is_with_part() const
     {
       return part != nullptr;
@@ -263,8 +259,7 @@ namespace tombolo
     /** Sums over ranks. Collective. */
     ContactBalance balance(MPI_Comm communicator) const;
 
-    /** Mean and largest temperature of the part below nodes in contact, where the contact is with
-     * one and conducts. Collective. */
+    /** Mean and largest temperature of the part below, where it conducts. Collective. */
     std::array<double, 2> temperatures_of_part() const
     {
       return heat->temperatures_of_part(communicator);
@@ -317,17 +312,14 @@ namespace tombolo
   protected:
     using NodeHistory = SurfaceHistory<dim>;
 
-    /** Adds what the nodes of this rank store, how many are in contact, and how deep the deepest
-     * is.
-     */
+    /** Adds what the nodes of this rank store, how many are in contact, and the deepest. */
     virtual void add_node_sums(ContactBalance &shares) const = 0;
 
     /** Clears the sums over the forces of the step before. Returns whether there is one: at the
      * start there is no contact. Collective. */
     bool begin_forces(const NodalState &state, const Clock &clock, const NodalHeat &nodal_heat);
-    /** The present @p force on a candidate at @p x, where the surface has moved by
-     * @p surface_motion in the last step: records works and, where it @p touches, puts the force on
-     * the node. */
+    /** The present @p force on a candidate at @p x, where the surface has moved by @p
+     * surface_motion: records works and, where it @p touches, puts the force on the node. */
     void set_force(std::size_t candidate, const dealii::Tensor<1, dim> &x,
                    const dealii::Tensor<1, dim> &force,
                    const dealii::Tensor<1, dim> &surface_motion, bool touches, NodalVector &loads,
@@ -370,8 +362,7 @@ namespace tombolo
         part->find_sides(state.position, candidates);
       }
     }
-    /** Finds areas after begin_forces(), with @p nodes only those of these owned nodes.
-     * Collective. */
+    /** Finds areas after begin_forces(), or only those of owned @p nodes. Collective. */
     void find_areas(const NodalState &state, const std::vector<unsigned int> *const nodes = nullptr)
     {
       if (areas && !part)
@@ -447,8 +438,7 @@ namespace tombolo
     /** As that of SurfaceContact. Throws InputError. Collective. */
     explicit SpringContact(ContactScene<dim> &scene);
 
-    /** That of ContactLaw. A node between two surfaces that press against each other is neglected.
-     */
+    /** That of ContactLaw, for nodes that one surface presses. */
     double stable_fraction() const override
     {
       return this->settings.law.stable_fraction();
@@ -465,8 +455,7 @@ namespace tombolo
      * its area that is pressed. */
     void press(std::size_t candidate, const ContactMotion<dim> &move, double mass, double share,
                const Clock &clock, const NodalHeat &nodal_heat);
-    /** Coulomb's coefficient with the heat of this step: @p heat_of(c) is that of sliding by a
-     * coefficient c. */
+    /** Coulomb's coefficient c with the heat of this step, heat_of(c). */
     template <typename HeatOf>
     double implicit_friction(const std::size_t candidate, const NodalHeat &nodal_heat,
                              const HeatOf &heat_of) const

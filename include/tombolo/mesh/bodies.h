@@ -29,8 +29,7 @@ namespace tombolo
       return count;
     }
 
-    /** A number of the body of a relevant node, by global number: the smallest number of its nodes.
-     */
+    /** The body of a relevant node (global number), by the smallest number of its nodes. */
     dealii::types::global_dof_index body_of(const dealii::types::global_dof_index node) const
     {
       return static_cast<dealii::types::global_dof_index>(smallest[node]);

@@ -50,8 +50,7 @@ namespace tombolo
     std::optional<CellDivisions> of_file;
   };
 
-  /** The cells of all ranks that are divided, by persistent_id(), ascending: all above the active
-   * ones. Collective. */
+  /** The divided cells of all ranks, all above active ones, by ascending number. Collective. */
   template <int dim>
   CellDivisions divided_cells(const Mesh<dim> &mesh);
 

@@ -102,8 +102,7 @@ namespace tombolo
       return result;
     }
 
-    /** The mirrors, as bits, whose distance from @p x is below @p share of the component of @p
-     * reach along their axis. */
+    /** The mirrors, as bits, nearer to @p x than @p share of the component of @p reach. */
     unsigned int near(const double *const x, const double *const reach, const double share) const
     {
       unsigned int result = 0;
@@ -141,8 +140,7 @@ namespace tombolo
                          [&](const Mirror &mirror) { return mirror.axis == axis; });
     }
 
-    /** Whether images turn the other way about an axis: the body as a whole does not turn about it.
-     */
+    /** Whether images turn the other way about an axis: the body does not turn about it. */
     bool are_opposite_about(const unsigned int axis) const
     {
       return std::any_of(all.begin(), all.end(),

@@ -33,8 +33,7 @@ namespace tombolo
     std::vector<std::string> remarks;
   };
 
-  /** The communicator of a triangulation or of a DoFHandler, whose name depends on the version of
-   * deal.II. */
+  /** The communicator of a triangulation or a DoFHandler, in all versions of deal.II. */
   template <class Mesh>
   MPI_Comm communicator_of(const Mesh &mesh)
   {

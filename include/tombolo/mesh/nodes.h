@@ -135,8 +135,7 @@ namespace tombolo
     }
     /** The row of a node; null where it does not depend on others, or is not relevant here. */
     const DependentNode *dependent_node(dealii::types::global_dof_index node) const;
-    /** Initial positions of the nodes on which dependent_nodes() depend, as far as this rank has
-     * cells around them. */
+    /** Initial positions of nodes that others depend on, where this rank has cells around them. */
     std::map<dealii::types::global_dof_index, dealii::Point<dim>> points_depended_on() const;
 
     /** Whether the body ends at a face of a cell: at the boundary of the mesh, unless it is its own
@@ -167,8 +166,7 @@ namespace tombolo
     bool are_any_dependent = false;
   };
 
-  /** Sets the flags of ghost cells to those that their owners have. Flags are by the index of
-   * active cells. Collective. */
+  /** Sets the flags of ghost cells, by active cell index, to those of their owners. Collective. */
   template <int dim>
   void update_ghost_flags(const Nodes<dim> &nodes, std::vector<bool> &flags);
 

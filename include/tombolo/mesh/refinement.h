@@ -55,9 +55,8 @@ namespace tombolo
       read_levels();
     }
 
-    /** Refines a mesh whose cells have one level; does nothing where there is no region. Throws the
-     * InputError of a region without cells, or of a mesh that does not fit into memory, before it
-     * refines anything. Collective. */
+    /** Refines a mesh whose cells have one level. Throws the InputError of a region without cells,
+     * or of a mesh that does not fit into memory, before it refines anything. Collective. */
     void refine(Mesh<dim> &mesh) const
     {
       if (regions == nullptr)
@@ -97,8 +96,7 @@ namespace tombolo
     inline static const std::string where_entry = "Refine where",
                                     levels_entry = "Refinement levels";
 
-    /** Levels below the coarse cells of the mesh that numbers of nodes and cells can distinguish.
-     */
+    /** Levels below the coarse cells that numbers of nodes and cells can distinguish. */
     static constexpr unsigned int most_levels = 12;
 
     struct Survey

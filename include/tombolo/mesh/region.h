@@ -20,8 +20,7 @@ namespace tombolo
   class Region
   {
   public:
-    /** Reads the two entries. Throws InputError if there is neither, unless the region
-     * @p may_be_everywhere. */
+    /** Reads both entries. Throws InputError without one, unless it @p may_be_everywhere. */
     Region(const Section &section, const bool may_be_everywhere)
     {
       const bool has_where = !section.get("Where").empty();

@@ -30,8 +30,7 @@ namespace tombolo
     double velocity = 0;     ///< at the nodes, weighted by their masses
   };
 
-  /** What a case's solution should be: section "Exact solution", functions of the initial position
-   * and of time. */
+  /** Section "Exact solution": functions of the initial position and of time. */
   template <int dim>
   class ExactSolution
   {

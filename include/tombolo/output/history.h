@@ -40,8 +40,7 @@ namespace tombolo
     void finish(Json &results) override;
 
   protected:
-    /** Before the first row. Where the table of a run that is resumed goes on, what was read
-     * stays. */
+    /** Before the first row. What a resumed run has read stays. */
     virtual void begin(const OutputView<dim> & /*view*/) {}
 
     /** Adds the columns of the present row to the table. Collective. */

@@ -40,8 +40,7 @@ namespace tombolo
     /** The same formulation, where it is one of particles, and its shape functions. */
     const ParticleFormulation<dim> *particles = nullptr;
     const Stencils *stencils = nullptr;
-    /** Its mass at owned nodes, scalar; that of hanging nodes is at those between which they lie
-     * [M]. Collective. */
+    /** Its mass at owned nodes, scalar; hanging nodes give theirs to others [M]. Collective. */
     std::function<NodalVector()> nodal_mass;
   };
 
@@ -114,8 +113,7 @@ namespace tombolo
   public:
     virtual ~Output() = default;
 
-    /** With the model as it is initially, before anything is written: refuse what cannot work with
-     * it. Throws InputError. */
+    /** With the initial model: refuse what cannot work with it. Throws InputError. */
     virtual void check(const OutputView<dim> & /*view*/) {}
 
     /** Before the first step: begin to write. */
@@ -123,8 +121,7 @@ namespace tombolo
                        const UnitLabels & /*unit_labels*/)
     {}
 
-    /** At an output. Values for the row of this output go into @p statistics, the same on all
-     * ranks. */
+    /** At an output. Adds values, the same on all ranks, to the row of @p statistics. */
     virtual void write(const OutputView<dim> &view, TimeTable &statistics) = 0;
 
     /** After every step, and at the start: for what is sampled more often than written. */
@@ -151,8 +148,7 @@ namespace tombolo
     static constexpr const char *name = "output";
   };
 
-  /** Declares in section Output which outputs there are and the entries of all of them, each in a
-   * subsection of its name. */
+  /** Declares in section Output the entries of all outputs, in subsections of their names. */
   template <int dim>
   void declare_outputs(const Entries &e);
 

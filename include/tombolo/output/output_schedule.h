@@ -136,8 +136,7 @@ namespace tombolo
       return n_statistics_intervals > before;
     }
 
-    /** For a resumed run, whose last row can have been at @p previous_time, that of the step
-     * before. */
+    /** For a resumed run, whose last row can have been at the time of the step before. */
     void resume_statistics(const double previous_time)
     {
       if (statistics_interval > 0.)

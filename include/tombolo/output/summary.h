@@ -43,9 +43,8 @@ namespace tombolo
     /** Adds the labels of units under `units`. */
     void set_units(const UnitLabels &labels);
 
-    /** Adds `wall_seconds` (where nobody has set it) and `peak_memory_bytes` (the sum over ranks)
-     * and writes the file. Values must agree on all ranks: rank 0 writes its own. Throws RunError.
-     * Collective. */
+    /** Adds `wall_seconds`, if it is not set, and `peak_memory_bytes` (the sum over ranks) and
+     * writes the file, with the values of rank 0. Throws RunError. Collective. */
     void write(const OutputDirectory &directory);
 
   private:

@@ -38,9 +38,8 @@ namespace tombolo
 
     explicit Hdf5Table(const std::string &name) : name(name) {}
 
-    /** Begins a new table, or goes on after its first @p first_rows rows where these are not
-     * zero. Throws RunError on every rank where they are not there or the file cannot be written.
-     * Collective. */
+    /** Begins a new table, or goes on after its first @p first_rows rows, if not zero. Throws
+     * RunError on every rank where these are not there or it cannot be written. Collective. */
     void begin(const OutputDirectory &directory, const std::vector<Column> &columns,
                std::uint64_t first_rows);
 
@@ -106,8 +105,7 @@ namespace tombolo
       format = new_format;
     }
 
-    /** The file has time, step and these columns only, by name without units; a `*` matches any
-     * text. Empty: all. */
+    /** The file has time, step and these columns, without units; `*` is any text. Empty: all. */
     void choose(const std::vector<std::string> &names)
     {
       chosen = names;
@@ -147,8 +145,7 @@ namespace tombolo
      * rows in the file it is there after flush(). */
     void write_row();
 
-    /** Writes the rows that are not yet in the file. Throws RunError on every rank where it cannot.
-     * Collective. */
+    /** Writes rows that are not in the file. Throws RunError on every rank. Collective. */
     void flush();
 
     /** Lists the state, which is read before open(). */
@@ -160,8 +157,7 @@ namespace tombolo
       return bytes_at_checkpoint > 0 || format_at_checkpoint != TableFormat().name();
     }
 
-    /** With rows in the file, before open(): whether the columns of the present row are not those
-     * of the state that was read. */
+    /** Before open(): whether the columns in the file are not those of the present row. */
     bool has_other_columns(const UnitLabels &unit_labels) const;
 
     /** The values of a column in the rows that were written, NaN where a row has none. Empty for

@@ -25,8 +25,7 @@ namespace tombolo
   VtuPiece make_tool_piece(const OutputView<dim> &view, bool double_precision,
                            bool with_facets = true);
 
-  /** The cells of this rank's finite elements, with the data that Visualization describes.
-   * Collective. */
+  /** The cells of this rank, with the data that Visualization describes. Collective. */
   template <int dim>
   VtuPiece make_cell_piece(const OutputView<dim> &view, const PictureFields &requested);
 

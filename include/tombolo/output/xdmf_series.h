@@ -42,9 +42,8 @@ namespace tombolo
   public:
     explicit XdmfSeries(const std::string &name) : name(name) {}
 
-    /** Continues the files of @p directory after its first @p n_outputs outputs; without them the
-     * series begins anew. Returns a sentence for the user where the file is damaged and was put
-     * aside. Collective. */
+    /** Continues the files of @p directory after its first @p n_outputs outputs, or begins them.
+     * Returns a sentence for the user where a damaged file was put aside. Collective. */
     std::string resume(const OutputDirectory &directory, const unsigned int n_outputs)
     {
       H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // errors are told by return values
@@ -68,9 +67,8 @@ namespace tombolo
       return from_first_rank(directory.communicator(), [&] { return remark; });
     }
 
-    /** Adds the grid of output number @p output, the pieces of all ranks one after the other.
-     * Nothing is added where they have no cells. Throws RunError on every rank where it cannot be
-     * written. Collective. */
+    /** Adds the grid of output number @p output, the pieces of all ranks one after the other, if
+     * they have cells. Throws RunError on every rank where it cannot be written. Collective. */
     void write(const OutputDirectory &directory, const VtuPiece &piece, const unsigned int output,
                const double time, const UnitLabels &unit_labels)
     {

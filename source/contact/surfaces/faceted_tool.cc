@@ -11,9 +11,8 @@
 
 namespace tombolo
 {
-  /** A rigid tool whose surface stands in a file: triangles in three dimensions, a closed polygon
-   * in two. The file has the tool's own coordinates, to which points are transformed, so that the
-   * search tree never moves. */
+  /** A rigid tool whose surface stands in a file: triangles, in two dimensions a closed polygon, in
+   * its own coordinates, to which points are transformed: the search tree never moves. */
   template <int dim>
   class FacetedTool : public RigidTool<dim>
   {

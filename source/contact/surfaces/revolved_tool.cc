@@ -45,8 +45,7 @@ namespace tombolo
     }
   };
 
-  /** A friction drill: a small cone in the centre, a cone up to the full diameter, a cylinder; the
-   * origin is the tip. */
+  /** A friction drill: a small cone, a cone up to the full diameter, a cylinder; from the tip. */
   struct DrillOutline : ToolOutline
   {
     explicit DrillOutline(const Entries &e)
@@ -82,8 +81,7 @@ namespace tombolo
     }
   };
 
-  /** A pin below a shoulder, as for friction stir welding; the origin is the middle of the pin's
-   * end. */
+  /** A pin below a shoulder, for friction stir welding; from the middle of the pin's end. */
   struct PinOutline : ToolOutline
   {
     explicit PinOutline(const Entries &e)

@@ -46,8 +46,7 @@ namespace tombolo
       return 2. * static_cast<double>(z >> 11) / 9007199254740992. - 1.;
     }
 
-    /** The index, along each axis, of a vertex of the lattice of these coordinates; with one less
-     * along each axis, of a cell. */
+    /** The index along each axis of a lattice vertex, or with @p n_less = 1 of a cell. */
     template <std::size_t dim>
     std::array<std::size_t, dim>
     lattice_index(std::size_t number, const std::array<std::vector<double>, dim> &coordinates,

@@ -52,8 +52,7 @@ namespace tombolo
     /** The two corners between which a midside node lies. */
     using MidsideEdge = std::array<unsigned int, 2>;
 
-    /** Corners of the midside nodes of quadrilaterals of 8 or 9 nodes, in the order of all formats.
-     */
+    /** Corners of the midside nodes of quadrilaterals of 8 or 9 nodes, in all formats. */
     const std::vector<MidsideEdge> quadrilateral_midsides = {
         {{0, 1}}, {{1, 2}}, {{2, 3}}, {{3, 0}}};
 

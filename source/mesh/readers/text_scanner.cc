@@ -28,8 +28,7 @@ namespace tombolo
       return result.ec == std::errc() && result.ptr == word.data() + word.size();
     }
 
-    /** A number as Fortran writes it, with a D or without a letter before the exponent (7.85-09).
-     */
+    /** A number as Fortran writes it, with a D or no letter before the exponent (7.85-09). */
     bool parse_fortran(std::string word, double &value)
     {
       const std::size_t letter = word.find_first_of("dD");

@@ -11,8 +11,7 @@
 
 namespace tombolo
 {
-  /** A surface of facets as it stands in a file: triangles in three dimensions, the sides of a
-   * polygon in two. */
+  /** A surface of facets as in a file: triangles, in two dimensions the sides of a polygon. */
   template <int dim>
   struct FacetList
   {

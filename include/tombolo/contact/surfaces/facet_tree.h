@@ -83,9 +83,8 @@ namespace tombolo
     void drop_unused_vertices();
     void measure_facets();
 
-    /** Finds the normals of facets, and at vertices and edges the unit vectors along their sums, at
-     * vertices weighted with angles. Facets without area keep their normals; the edges of facets
-     * must be numbered. */
+    /** Finds normals of facets, and at vertices (weighted with angles) and edges the unit vectors
+     * along their sums. Facets without area keep theirs; edges of facets must be numbered. */
     void set_normals();
     /** Sides sorted, those of two facets after each other. */
     std::vector<Side> paired_sides() const;
@@ -144,8 +143,7 @@ namespace tombolo
     /** The search is shorter where @p hint is that of a point near by. */
     Nearest nearest(const dealii::Tensor<1, dim> &point, unsigned int hint = 0) const;
 
-    /** The same of the facets whose normals have a product with @p direction below @p limit;
-     * nothing where there are none. */
+    /** The same of facets whose normals have a product with @p direction below @p limit, if any. */
     std::optional<Nearest> nearest_facing(const dealii::Tensor<1, dim> &point,
                                           const dealii::Tensor<1, dim> &direction,
                                           double limit) const;
@@ -159,8 +157,7 @@ namespace tombolo
       return facets[nearest.hint].number;
     }
 
-    /** Vertices of @p surface, that of the tree, have moved: boxes grow or shrink, and keep their
-     * facets. */
+    /** Vertices of @p surface, that of the tree, have moved: boxes keep their facets. */
     void refit(const ClosedSurface<dim> &surface);
 
     /** A point where the edge of a facet (in two dimensions a side) passes through another one, if
@@ -215,8 +212,7 @@ namespace tombolo
   template <int dim>
   struct FacedSides
   {
-    /** How far beyond the edge of these sides a node belongs to them as within, over the size of
-     * the cell there. */
+    /** How far beyond their edge a node belongs to these sides, over the size of the cell there. */
     static constexpr double across_edge = 0.01;
 
     /** That to the plane of the nearest side, which goes on beyond its edge, and from across_edge

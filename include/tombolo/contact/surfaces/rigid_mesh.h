@@ -68,8 +68,7 @@ namespace tombolo
       }
     }
 
-    /** From now on points outside of the body up to this distance [L] have their distance to the
-     * rounded surface, too. */
+    /** Points outside up to this distance [L] have their distance to the rounded surface, too. */
     void set_reach(double distance)
     {
       reach = distance;
@@ -228,9 +227,8 @@ namespace tombolo
       return false;
     }
 
-    /** The centre of a ball next to @p point, which is nearer to the sharp surface than the radius,
-     * or outside and nearer than the reach. @p sharp is the nearest point there. Returns whether
-     * there is one. */
+    /** The centre of a ball next to @p point, which is nearer to the sharp surface (at @p sharp)
+     * than the radius, or outside and nearer than the reach. Returns whether there is one. */
     bool find_center(const dealii::Tensor<1, dim> &point, const SurfaceGap<dim> &sharp,
                      dealii::Tensor<1, dim> &center) const
     {

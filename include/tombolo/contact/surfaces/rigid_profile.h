@@ -153,8 +153,7 @@ namespace tombolo
       return result;
     }
 
-    /** A distance that is at most the one to the body, positive only outside of a cylinder around
-     * it: cheap. */
+    /** At most the distance to the body, positive only outside of a cylinder around it: cheap. */
     double distance_from_box(const Point &point) const
     {
       return std::max({point.r - high.r, low.z - point.z, point.z - high.z});

@@ -83,8 +83,7 @@ namespace tombolo
       return free->velocity;
     }
 
-    /** ½ m v_{n-1/2} · v_{n+1/2} after accelerate() [M L^2/T^2].
-     */
+    /** ½ m v_{n-1/2} · v_{n+1/2} after accelerate() [M L^2/T^2]. */
     double kinetic_energy() const
     {
       return free ? free->kinetic_energy : 0.;

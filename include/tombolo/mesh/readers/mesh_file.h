@@ -60,15 +60,13 @@ namespace tombolo
    * MeshFileError, as all of these. */
   MeshFileContent read_gmsh(std::string_view text, unsigned int dim);
 
-  /** VTK's legacy format 3.0 in text, an unstructured grid, with material ids in the cell data
-   * `SCALARS MaterialID int`. */
+  /** VTK's legacy format 3.0, an unstructured grid in text with `SCALARS MaterialID int`. */
   MeshFileContent read_vtk(std::string_view text, unsigned int dim);
 
   /** "hexahedra" or "quadrilaterals": what the cells must be. */
   const char *cell_shape(unsigned int dim);
 
-  /** The end of a message about cells or faces of another shape: how to get those that are allowed
-   * in @p dim dimensions. */
+  /** The end of a message about other cells or faces: how to get those that are allowed. */
   std::string shape_advice(unsigned int dim);
 
   /**

@@ -7,8 +7,7 @@
 
 namespace tombolo
 {
-  /** What is wrong with a mesh file. The message is a sentence that begins with the line, if the
-   * trouble has one. */
+  /** What is wrong with a mesh file: a sentence that begins with the line, if there is one. */
   class MeshFileError : public std::runtime_error
   {
   public:
