@@ -17,58 +17,36 @@ namespace tombolo
 {
   namespace
   {
-    // Indices within a coarse cell are counted on the lattice of support points of the finest level
-    // of the whole mesh, so that cells of all levels agree on them.
+    /** The numbers of the support points of a cell, lexicographic, on the lattice of support points
+     * of the finest level of the whole mesh, so that cells of all levels agree on them. It has
+     * @p n_along points along each axis of a coarse cell. */
     template <int dim>
-    class PersistentNumbering
+    std::vector<std::uint64_t>
+    lattice_numbers(const dealii::CellId &cell, const unsigned int degree,
+                    const unsigned int finest_level, const std::uint64_t n_along)
     {
-    public:
-      PersistentNumbering(const dealii::Triangulation<dim> &triangulation,
-                          const unsigned int degree)
-          : degree(degree), finest_level(triangulation.n_global_levels() - 1),
-            points_per_axis(
-                static_cast<std::uint64_t>(degree) * (std::uint64_t(1) << finest_level) + 1),
-            points_per_cell(dealii::Utilities::fixed_power<dim>(points_per_axis))
-      {}
-
-      bool fits(const std::uint64_t n_coarse_cells) const
+      const auto children = cell.get_child_indices();
+      std::array<std::uint64_t, dim> corner = {};
+      for (const auto child : children)
+        for (int d = 0; d < dim; ++d)
+          corner[d] = 2 * corner[d] + ((static_cast<unsigned int>(child) >> d) & 1u);
+      const std::uint64_t stride = std::uint64_t(1) << (finest_level - children.size());
+      std::vector<std::uint64_t> numbers(dealii::Utilities::fixed_power<dim>(degree + 1),
+                                         cell.get_coarse_cell_id() *
+                                             dealii::Utilities::fixed_power<dim>(n_along));
+      for (unsigned int k = 0; k < numbers.size(); ++k)
       {
-        return n_coarse_cells <= std::numeric_limits<std::uint64_t>::max() / points_per_cell;
-      }
-
-      /** Calls visit(k, number) for the support points k of the cell in lexicographic order. */
-      template <typename Visitor>
-      void number_cell(const dealii::CellId &cell_id, const Visitor &visit) const
-      {
-        const auto children = cell_id.get_child_indices();
-        std::array<std::uint64_t, dim> corner = {};
-        for (const auto child : children)
-          for (int d = 0; d < dim; ++d)
-            corner[d] = 2 * corner[d] + ((static_cast<unsigned int>(child) >> d) & 1u);
-
-        const std::uint64_t stride = std::uint64_t(1) << (finest_level - children.size());
-        const std::uint64_t base = cell_id.get_coarse_cell_id() * points_per_cell;
-        for (unsigned int k = 0; k < dealii::Utilities::fixed_power<dim>(degree + 1); ++k)
+        std::uint64_t weight = stride;
+        unsigned int rest = k;
+        for (int d = 0; d < dim; ++d)
         {
-          std::uint64_t lattice_index = 0;
-          std::uint64_t weight = 1;
-          unsigned int rest = k;
-          for (int d = 0; d < dim; ++d)
-          {
-            lattice_index += weight * stride * (corner[d] * degree + rest % (degree + 1));
-            weight *= points_per_axis;
-            rest /= degree + 1;
-          }
-          visit(k, base + lattice_index);
+          numbers[k] += weight * (corner[d] * degree + rest % (degree + 1));
+          weight *= n_along;
+          rest /= degree + 1;
         }
       }
-
-    private:
-      unsigned int degree;
-      unsigned int finest_level;
-      std::uint64_t points_per_axis;
-      std::uint64_t points_per_cell;
-    };
+      return numbers;
+    }
   } // namespace
 
   template <int dim>
@@ -91,8 +69,10 @@ namespace tombolo
     owned_nodes = handler.locally_owned_dofs();
     relevant_nodes = dealii::DoFTools::extract_locally_active_dofs(handler);
 
-    const PersistentNumbering<dim> numbering(mesh.triangulation, degree);
-    AssertThrow(numbering.fits(mesh.triangulation.n_cells(0)),
+    const unsigned int finest_level = mesh.triangulation.n_global_levels() - 1;
+    const std::uint64_t n_along = std::uint64_t(degree) * (std::uint64_t(1) << finest_level) + 1;
+    AssertThrow(mesh.triangulation.n_cells(0) <= std::numeric_limits<std::uint64_t>::max() /
+                                                     dealii::Utilities::fixed_power<dim>(n_along),
                 dealii::ExcMessage("The persistent node numbers of this mesh exceed 64 bits."));
     ids.assign(owned_nodes.n_elements(), std::numeric_limits<std::uint64_t>::max());
     std::vector<dealii::types::global_dof_index> nodes;
@@ -101,15 +81,13 @@ namespace tombolo
       if (!cell->is_artificial())
       {
         cell_nodes(cell, nodes);
-        numbering.number_cell(cell->id(),
-                              [&](const unsigned int k, const std::uint64_t number)
-                              {
-                                if (owned_nodes.is_element(nodes[k]))
-                                {
-                                  auto &id = ids[owned_nodes.index_within_set(nodes[k])];
-                                  id = std::min(id, number);
-                                }
-                              });
+        const auto numbers = lattice_numbers<dim>(cell->id(), degree, finest_level, n_along);
+        for (unsigned int k = 0; k < nodes.size(); ++k)
+          if (owned_nodes.is_element(nodes[k]))
+          {
+            auto &id = ids[owned_nodes.index_within_set(nodes[k])];
+            id = std::min(id, numbers[k]);
+          }
       }
   }
 
