@@ -321,15 +321,6 @@ namespace tombolo
     refuse_cells_without_one_part(result);
   }
 
-  namespace
-  {
-    template <int dim>
-    double box_ratio(const typename dealii::Triangulation<dim>::cell_iterator &cell)
-    {
-      return cell->bounding_box().volume() / cell->measure();
-    }
-  } // namespace
-
   template <int dim>
   void balance(Mesh<dim> &mesh, const PartCells<dim> &part_cells,
                const std::vector<std::function<StepCost(double)>> &cost_of_part)
@@ -355,7 +346,7 @@ namespace tombolo
     for (const auto &[id, cell] : cells)
     {
       const unsigned int part = part_cells.part_of(cell);
-      const StepCost cost = cost_of_part[part](box_ratio<dim>(cell));
+      const StepCost cost = cost_of_part[part](cell->bounding_box().volume() / cell->measure());
       work[cell->active_cell_index()] += cost.per_cell;
       for (const unsigned int v : cell->vertex_indices())
       {

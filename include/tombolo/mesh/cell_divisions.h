@@ -16,6 +16,7 @@ namespace tombolo
 
   /** The lowest bits of a persistent_id(): those of the path. */
   constexpr unsigned int path_bits = 37;
+  constexpr std::uint64_t path_mask = (std::uint64_t(1) << path_bits) - 1;
 
   /** A number of a cell that depends on nothing but its coarse cell and its position in it: the
    * path through the children, behind a leading one that marks its length. */
@@ -25,14 +26,12 @@ namespace tombolo
   template <int dim>
   std::uint64_t parent_of(const std::uint64_t id)
   {
-    constexpr std::uint64_t path = (std::uint64_t(1) << path_bits) - 1;
-    return (id & ~path) | ((id & path) >> dim);
+    return (id & ~path_mask) | ((id & path_mask) >> dim);
   }
   template <int dim>
   std::uint64_t child_of(const std::uint64_t id, const unsigned int child)
   {
-    constexpr std::uint64_t path = (std::uint64_t(1) << path_bits) - 1;
-    return (id & ~path) | (((id & path) << dim) | child);
+    return (id & ~path_mask) | (((id & path_mask) << dim) | child);
   }
   template <int dim>
   unsigned int index_in_parent(const std::uint64_t id)

@@ -56,66 +56,6 @@ namespace tombolo
     const std::vector<MidsideEdge> quadrilateral_midsides = {
         {{0, 1}}, {{1, 2}}, {{2, 3}}, {{3, 0}}};
 
-    /** What is lost where only the corners of cells of second order are used. */
-    class MidsideNodes
-    {
-    public:
-      /** Adds a cell whose node k is @p node(k), the corners first and then the midside nodes that
-       * @p edges describes. @p line is its line or number. */
-      template <typename Node>
-      void add(const Node &node, const std::vector<MidsideEdge> &edges,
-               const unsigned int n_corners, const unsigned int line)
-      {
-        ++n_cells;
-        for (unsigned int k = 0; k < edges.size(); ++k)
-          add_edge(node(edges[k][0]), node(edges[k][1]), node(n_corners + k), line);
-      }
-
-      /** Adds what was left out to the remarks of a file, if anything was. */
-      void report(MeshFileContent &content) const
-      {
-        if (n_cells == 0)
-          return;
-        std::ostringstream text;
-        text << n_cells
-             << " cells of the mesh file are of second order. Their midside nodes are left "
-             << "out: cells here have straight edges between their corners. ";
-        // Round-off of written coordinates is no bend.
-        if (largest_bend > 1e-6)
-        {
-          text.precision(3);
-          text << "A midside node lies off the middle of its edge by up to " << largest_bend
-               << " of the length of the edge (" << content.location(line_of_largest)
-               << "); smaller cells follow curved surfaces better.";
-        }
-        else
-          text << "All of them are in the middle of their edges, so that the shape is the same.";
-        content.remarks.push_back(text.str());
-      }
-
-    private:
-      void add_edge(const std::array<double, 3> &begin, const std::array<double, 3> &end,
-                    const std::array<double, 3> &middle, const unsigned int line)
-      {
-        double distance = 0, length = 0;
-        for (unsigned int d = 0; d < 3; ++d)
-        {
-          distance += std::pow(middle[d] - (begin[d] + end[d]) / 2, 2);
-          length += std::pow(end[d] - begin[d], 2);
-        }
-        const double bend = length > 0 ? std::sqrt(distance / length) : 0;
-        if (bend > largest_bend)
-        {
-          largest_bend = bend;
-          line_of_largest = line;
-        }
-      }
-
-      std::size_t n_cells = 0;
-      double largest_bend = 0; ///< distance from the middle of the edge by the length of the edge
-      unsigned int line_of_largest = 0;
-    };
-
     /** Edges of the midside nodes of gmsh's hexahedra of second order. */
     const std::vector<MidsideEdge> gmsh_hexahedron_midsides = {
         {{0, 1}}, {{0, 3}}, {{0, 4}}, {{1, 2}}, {{1, 5}}, {{2, 3}},
@@ -159,7 +99,7 @@ namespace tombolo
                               (has_nodes ? "$Elements" : "$Nodes") + ".");
 
         name_physical_groups();
-        midside_nodes.report(content);
+        remark_midside_nodes();
         for (const auto &section : sections_left_out)
           content.remarks.push_back("The section " + section + " of the mesh file is left out.");
         return std::move(content);
@@ -458,9 +398,7 @@ namespace tombolo
                 static_cast<unsigned int>(content.cells.size()));
           content.cells.push_back(element);
           if (type.n_nodes > type.n_corners)
-            midside_nodes.add([&](const unsigned int k) { return content.nodes[nodes[k]]; },
-                              dim == 3 ? gmsh_hexahedron_midsides : quadrilateral_midsides,
-                              type.n_corners, element.line);
+            measure_midside_nodes(nodes, type.n_corners, element.line);
         }
         else if (type.dimension == 0)
           for (const unsigned int physical : physicals)
@@ -474,6 +412,53 @@ namespace tombolo
             content.faces.back().id = physicals[k];
           }
         }
+      }
+
+      /** Of a cell with these nodes, its corners first. */
+      void measure_midside_nodes(const std::array<unsigned int, 27> &nodes,
+                                 const unsigned int n_corners, const unsigned int line)
+      {
+        ++n_of_second_order;
+        const auto &edges = dim == 3 ? gmsh_hexahedron_midsides : quadrilateral_midsides;
+        for (unsigned int k = 0; k < edges.size(); ++k)
+        {
+          const std::array<double, 3> &begin = content.nodes[nodes[edges[k][0]]],
+                                      &end = content.nodes[nodes[edges[k][1]]],
+                                      &middle = content.nodes[nodes[n_corners + k]];
+          double distance = 0, length = 0;
+          for (unsigned int d = 0; d < 3; ++d)
+          {
+            distance += std::pow(middle[d] - (begin[d] + end[d]) / 2, 2);
+            length += std::pow(end[d] - begin[d], 2);
+          }
+          const double bend = length > 0 ? std::sqrt(distance / length) : 0;
+          if (bend > largest_bend)
+          {
+            largest_bend = bend;
+            line_of_largest = line;
+          }
+        }
+      }
+
+      void remark_midside_nodes()
+      {
+        if (n_of_second_order == 0)
+          return;
+        std::ostringstream text;
+        text << n_of_second_order
+             << " cells of the mesh file are of second order. Their midside nodes are left "
+             << "out: cells here have straight edges between their corners. ";
+        // Round-off of written coordinates is no bend.
+        if (largest_bend > 1e-6)
+        {
+          text.precision(3);
+          text << "A midside node lies off the middle of its edge by up to " << largest_bend
+               << " of the length of the edge (" << content.location(line_of_largest)
+               << "); smaller cells follow curved surfaces better.";
+        }
+        else
+          text << "All of them are in the middle of their edges, so that the shape is the same.";
+        content.remarks.push_back(text.str());
       }
 
       const ElementType &element_type(const long long number)
@@ -558,7 +543,9 @@ namespace tombolo
       std::map<unsigned int, std::vector<unsigned int>> further_physicals;
       /** Nodes by the physical groups of points. */
       std::map<unsigned int, std::vector<unsigned int>> physical_points;
-      MidsideNodes midside_nodes;
+      std::size_t n_of_second_order = 0; ///< cells, of which only the corners are used
+      double largest_bend = 0; ///< distance from the middle of an edge by the length of the edge
+      unsigned int line_of_largest = 0;
       bool has_nodes = false;
       bool has_elements = false;
     };
