@@ -397,7 +397,8 @@ namespace tombolo
         try
         {
           dealii::GridTools::consistently_order_cells(cells);
-          turn_axes_by_position(vertices, cells);
+          if constexpr (dim == 3)
+            turn_axes_by_position(vertices, cells);
           coarse.create_triangulation(vertices, cells, dealii::SubCellData());
         }
         catch (const dealii::ExceptionBase &)
