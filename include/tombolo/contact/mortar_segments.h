@@ -97,7 +97,11 @@ namespace tombolo
     {
       const bool are_kept = has_pairs && pairing.is_tied();
       if (!are_kept && (!has_pairs || has_moved(position)))
-        find_pairs(position);
+      {
+        exchange.find_pairs(slaves, masters, position, pairing.reach(), margin + pairing.radius());
+        position_of_pairs.copy_from(position);
+        has_pairs = true;
+      }
       receive_values(position, last_position, thermal);
       if (!are_kept)
         find_segments(position);
@@ -308,12 +312,6 @@ namespace tombolo
                                        vector_of<dim>(position_of_pairs.node(node)))
                                           .norm_square());
       return dealii::Utilities::MPI::max(farthest, communicator) > 0.25 * margin * margin;
-    }
-    void find_pairs(const NodalVector &position)
-    {
-      exchange.find_pairs(slaves, masters, position, pairing.reach(), margin + pairing.radius());
-      position_of_pairs.copy_from(position);
-      has_pairs = true;
     }
 
     /** Values of corners of master faces: x, x - @p last_position, and of @p thermal. */

@@ -218,7 +218,7 @@ namespace tombolo
       std::vector<double> integrals(4, 0.);
       const auto add = [&](const PolarPosition &a, const PolarPosition &b, const unsigned int first)
       {
-        const double angle = angle_between(a, b);
+        const double angle = std::abs(std::atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y));
         integrals[first] += 0.5 * (a.radius + b.radius) * angle;
         integrals[first + 1] += angle;
       };
@@ -329,11 +329,6 @@ namespace tombolo
     static PolarPosition between(const PolarPosition &a, const PolarPosition &b, const double s)
     {
       return {(1 - s) * a.radius + s * b.radius, (1 - s) * a.x + s * b.x, (1 - s) * a.y + s * b.y};
-    }
-
-    static double angle_between(const PolarPosition &a, const PolarPosition &b)
-    {
-      return std::abs(std::atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y));
     }
 
     using GlobalNode = dealii::types::global_dof_index;
