@@ -17,15 +17,23 @@ namespace tombolo
   /** The text of each rank, on all of them. Collective. */
   std::vector<std::string> texts_of_ranks(MPI_Comm communicator, const std::string &text);
 
+  /** The text of the lowest rank that has one, on all of them; empty where none has. Collective. */
+  inline std::string first_text(const MPI_Comm communicator, const std::string &text)
+  {
+    for (const std::string &rank_text : texts_of_ranks(communicator, text))
+      if (!rank_text.empty())
+        return rank_text;
+    return "";
+  }
+
   /** Throws the same @p Error on every rank if any rank has a message: that of the lowest such
    * rank. For failures that only one rank can detect: if it threw alone, the others would wait for
    * it in their next exchange. Collective. */
   template <typename Error>
   void throw_on_all_ranks(const std::string &message, const MPI_Comm communicator)
   {
-    for (const std::string &rank_text : texts_of_ranks(communicator, message))
-      if (!rank_text.empty())
-        throw Error(rank_text);
+    if (const std::string text = first_text(communicator, message); !text.empty())
+      throw Error(text);
   }
 
   /**

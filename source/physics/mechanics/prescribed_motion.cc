@@ -240,7 +240,6 @@ namespace tombolo
       model.impulses.add_now(reaction.impulse, reaction.angular_impulse);
     }
 
-    /** See PlainKind. */
     static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
     {
       if (!model.has_mechanics || !model.conditions->has_constraints())
@@ -250,12 +249,9 @@ namespace tombolo
       const unsigned int first = Utilities::MPI::min(rank_refusal.condition, model.communicator);
       if (first == numbers::invalid_unsigned_int)
         return result;
-      const std::string reason = rank_refusal.condition == first ? rank_refusal.reason : "";
-      for (const std::string &text : texts_of_ranks(model.communicator, reason))
-        if (!text.empty())
-          parameters.section("Condition: " + model.conditions->all()[first].name)
-              .fail("Axes", text);
-      return result;
+      parameters.section("Condition: " + model.conditions->all()[first].name)
+          .fail("Axes", first_text(model.communicator,
+                                   rank_refusal.condition == first ? rank_refusal.reason : ""));
     }
 
   private:

@@ -24,7 +24,6 @@
 #include <optional>
 #include <ostream>
 #include <set>
-#include <sstream>
 #include <string>
 
 namespace tombolo
@@ -198,22 +197,15 @@ namespace tombolo
       std::string exit_text;
       if (outside != nodes.end())
         exit_text = position_text(vector_of<dim>(state.position.node(*outside)));
-      for (const std::string &rank_text :
-           texts_of_ranks(state.partition()->communicator(), exit_text))
-      {
-        if (rank_text.empty())
-          continue;
-        was_left = true;
-        std::ostringstream text;
-        text << "At t = " << clock.time << " the contact \"" << contact.name()
-             << "\" touches a node at " << rank_text << " that is outside of its `Corridor`, \""
-             << section.get(corridor_entry)
-             << "\". What is deformed there is not made for it: a shorter way of the tool, or a "
-                "wider "
-                "corridor with the particles or the refined cells in it, helps.";
-        return text.str();
-      }
-      return {};
+      exit_text = first_text(state.partition()->communicator(), exit_text);
+      was_left = !exit_text.empty();
+      if (!was_left)
+        return {};
+      return as_text(
+          "At t = ", clock.time, " the contact \"", contact.name(), "\" touches a node at ",
+          exit_text, " that is outside of its `Corridor`, \"", section.get(corridor_entry),
+          "\". What is deformed there is not made for it: a shorter way of the tool, or a "
+          "wider corridor with the particles or the refined cells in it, helps.");
     }
 
     void list(Records &records)

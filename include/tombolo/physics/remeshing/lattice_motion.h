@@ -71,9 +71,8 @@ namespace tombolo
                             cell.centre(), ") at the start.");
         }
       }
-      for (const std::string &rank_problem : texts_of_ranks(communicator, problem))
-        if (!rank_problem.empty())
-          settings.refuse(rank_problem, "Refill motion");
+      if (const std::string first = first_text(communicator, problem); !first.empty())
+        settings.refuse(first, "Refill motion");
       return result;
     }
 
