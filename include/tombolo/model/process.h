@@ -126,6 +126,12 @@ namespace tombolo
     };
     Roles roles;
 
+    /** What a ProcessKind does, of a class that is registered by TOMBOLO_REGISTER_PROCESS and has
+     * such functions of its own. */
+    static void declare_parameters(Parameters &) {}
+    static void validate(const Parameters &, const std::vector<Part<dim>> &) {}
+    static void prepare(const Parameters &, std::vector<Part<dim>> &) {}
+
     /** Sets its sources of heat (Actions::add_heat()) to that of a thermal step from @p begin to @p
      * end, where it does not come with the steps of the mechanics. */
     virtual void add_heat(const Model<dim> &, double /*begin*/, double /*end*/) {}

@@ -342,7 +342,6 @@ namespace tombolo
       this->observed.result("debris_particles", [&model] { return bond_counts(model).n_debris; });
     }
 
-    /** See PlainKind. */
     static std::unique_ptr<Process<dim>> make(const Parameters &, Model<dim> &model)
     {
       const auto particles = model.particle_parts();

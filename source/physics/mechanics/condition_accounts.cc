@@ -30,14 +30,7 @@ namespace tombolo
 
   namespace
   {
-    /**
-     * Supports, drives and loads of the bodies: `conditions.csv`, with the mean force and the mean
-     * moment on the bodies since the row before, the impulse and the work since the start of each
-     * mechanical condition; of those that prescribe motion also the mean displacement of their
-     * nodes. Those come first, then loads, each in the order of `Conditions`. Moments are about the
-     * entry `Moments about`. Impulses are those until t_{n-1/2}, as the momenta of
-     * `statistics.csv`.
-     */
+    /** `conditions.csv` (doc/conditions.md). */
     const HistoryRegistration condition_registration(
         {condition_history, "conditions.csv",
          "Forces, moments, impulses and works of mechanical conditions, displacements of those "

@@ -51,16 +51,8 @@ namespace tombolo
 
   namespace
   {
-    /**
-     * The interaction of surfaces and bodies: `contact.csv`, with the mean force on the bodies
-     * since the row before, the impulse since the start, the mean torque about the surface's
-     * reference point since the row before, heat, stored energy, the work of the surface's motion
-     * and its mean power since the row before, nodes in contact, penetration, the position of the
-     * reference point of each contact; the velocity of a surface with a mass; in scenes with heat
-     * the shares of bodies and tool, conducted heat and the temperature of the tool where there
-     * are, mean and largest temperature of the nodes in contact. Of a contact between bodies the
-     * force is that on the slave, conducted heat is that into the slave, and there is no surface.
-     */
+    /** `contact.csv` (doc/contact.md). Of a contact between bodies the force is that on the slave,
+     * conducted heat is that into the slave, and there is no surface. */
     const HistoryRegistration
         contact_registration({contact_history, "contact.csv",
                               "Forces, impulses, heat and penetration of contacts (contact.csv); "

@@ -3,18 +3,25 @@
 #include <tombolo/boundary/limited_function.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/moving_parts.h>
-#include <tombolo/model/process.h>
+#include <tombolo/model/plain_kind.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/physics/mechanics/rigid_bodies.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 #include <tombolo/physics/mechanics/surface_damping.h>
 
+#include <algorithm>
 #include <limits>
+#include <memory>
 #include <utility>
 #include <vector>
 
 namespace tombolo
 {
+  namespace
+  {
+    constexpr const char *damping_section = "Damping";
+  } // namespace
+
   /**
    * Damping in proportion to the mass, by the section `Damping`: the nodal force -α m v, with the
    * velocity v in the middle of Δt_n, so that the stable step is that without damping. It is a
@@ -77,7 +84,45 @@ namespace tombolo
       }
     }
 
+    static void declare_parameters(Parameters &parameters)
+    {
+      Entries(parameters.handler())
+          .subsection(damping_section)
+          .text("Rate", "0", "1/T",
+                "α of the force -α m v on all nodes, which takes the motion of a body to rest: 2 ω "
+                "damps a vibration of the angular frequency ω critically. A function of t, so that "
+                "it can end; 0: there is no damping.");
+    }
+
+    static void validate(const Parameters &parameters, const std::vector<Part<dim>> &parts)
+    {
+      const Section section = parameters.section(damping_section);
+      read(section);
+      // Without parts nothing can be checked.
+      if (section.is_set("Rate") && !parts.empty() &&
+          std::none_of(parts.begin(), parts.end(), has_motion<dim>))
+        section.fail("Rate", "the scene has no mechanics, since its materials have no stresses; "
+                             "nothing moves.");
+    }
+
+    static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
+    {
+      const Section section = parameters.section(damping_section);
+      if (!model.has_mechanics || section.get("Rate") == "0")
+        return nullptr;
+      return std::make_unique<Damping>(read(section));
+    }
+
   private:
+    static LimitedFunction<dim> read(const Section &section)
+    {
+      LimitedFunction<dim> rate(section, "Rate", 0., std::numeric_limits<double>::max(),
+                                "a number of at least 0");
+      if (rate.depends_on_position())
+        section.fail("Rate", "allowed is a function of t alone.");
+      return rate;
+    }
+
     LimitedFunction<dim> rate;
     std::vector<bool> is_rigid; ///< owned nodes; empty without rigid parts
     Action &damping;
@@ -129,7 +174,42 @@ namespace tombolo
           tangent.force->node(i)[d] += tangent.factor * factor * stiffness_force.node(i)[d];
     }
 
+    static void declare_parameters(Parameters &parameters)
+    {
+      read(Entries(parameters.handler()).subsection(damping_section));
+    }
+
+    static void validate(const Parameters &parameters, const std::vector<Part<dim>> &parts)
+    {
+      const Section section = parameters.section(damping_section);
+      read(section);
+      if (section.is_set(factor_entry) &&
+          std::none_of(parts.begin(), parts.end(),
+                       [](const Part<dim> &part) { return part.material->has_mechanics(); }))
+        section.fail(factor_entry, "the scene has no mechanics, since its materials have no "
+                                   "stresses; nothing moves.");
+    }
+
+    static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
+    {
+      const double factor = read(parameters.section(damping_section));
+      if (!model.has_mechanics || factor == 0.)
+        return nullptr;
+      return std::make_unique<StiffnessDamping>(factor);
+    }
+
   private:
+    static constexpr const char *factor_entry = "Stiffness factor";
+    static double read(const Entries &e)
+    {
+      return e.number(
+          factor_entry, "0", at_least(0.), "T",
+          "β of the force -β K v with the elastic stiffness K, which damps what deforms and "
+          "leaves rigid motion alone: a vibration of the angular frequency ω has the "
+          "damping ratio β ω/2. The stable step becomes shorter: by 1/(√(1 + ξ²) + ξ), "
+          "where ξ is β over the step without it. 0: there is none.");
+    }
+
     /** In a step without end no artificial viscosity is left. */
     static constexpr double endless = std::numeric_limits<double>::max();
 
@@ -138,140 +218,7 @@ namespace tombolo
     Action &damping;
   };
 
-  namespace
-  {
-    constexpr const char *section_name = "Damping";
-
-    template <int dim>
-    class DampingKind : public ProcessKind<dim>
-    {
-    public:
-      void declare_parameters(Parameters &parameters) const override
-      {
-        const Entries e = Entries(parameters.handler()).subsection(section_name);
-        e.text("Rate", "0", "1/T",
-               "α of the force -α m v on all nodes, which takes the motion of a body to rest: 2 ω "
-               "damps a vibration of the angular frequency ω critically. A function of t, so that "
-               "it can end; 0: there is no damping.");
-      }
-
-      void validate(const Parameters &parameters,
-                    const std::vector<Part<dim>> &parts) const override
-      {
-        const Section section = parameters.section(section_name);
-        read(section);
-        bool has_mechanics = parts.empty(); // without parts nothing can be checked
-        for (const Part<dim> &part : parts)
-          has_mechanics = has_mechanics || has_motion(part);
-        if (section.is_set("Rate") && !has_mechanics)
-          section.fail("Rate", "the scene has no mechanics, since its materials have no stresses; "
-                               "nothing moves.");
-      }
-
-      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
-                                               Model<dim> &model) const override
-      {
-        const Section section = parameters.section(section_name);
-        if (!model.has_mechanics || section.get("Rate") == "0")
-          return nullptr;
-        return std::make_unique<Damping<dim>>(read(section));
-      }
-
-    private:
-      static LimitedFunction<dim> read(const Section &section)
-      {
-        LimitedFunction<dim> rate(section, "Rate", 0., std::numeric_limits<double>::max(),
-                                  "a number of at least 0");
-        if (rate.depends_on_position())
-          section.fail("Rate", "allowed is a function of t alone.");
-        return rate;
-      }
-    };
-
-    constexpr const char *factor_entry = "Stiffness factor";
-
-    template <int dim>
-    class StiffnessDampingKind : public ProcessKind<dim>
-    {
-    public:
-      void declare_parameters(Parameters &parameters) const override
-      {
-        const Entries e = Entries(parameters.handler()).subsection(section_name);
-        e.number(factor_entry, "0", at_least(0.), "T",
-                 "β of the force -β K v with the elastic stiffness K, which damps what deforms and "
-                 "leaves rigid motion alone: a vibration of the angular frequency ω has the "
-                 "damping ratio β ω/2. The stable step becomes shorter: by 1/(√(1 + ξ²) + ξ), "
-                 "where ξ is β over the step without it. 0: there is none.");
-      }
-
-      void validate(const Parameters &parameters,
-                    const std::vector<Part<dim>> &parts) const override
-      {
-        const Section section = parameters.section(section_name);
-        section.get_double(factor_entry);
-        bool has_mechanics = false;
-        for (const Part<dim> &part : parts)
-          has_mechanics = has_mechanics || part.material->has_mechanics();
-        if (section.is_set(factor_entry) && !has_mechanics)
-          section.fail(factor_entry, "the scene has no mechanics, since its materials have no "
-                                     "stresses; nothing moves.");
-      }
-
-      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
-                                               Model<dim> &model) const override
-      {
-        const double factor = parameters.section(section_name).get_double(factor_entry);
-        if (!model.has_mechanics || factor == 0.)
-          return nullptr;
-        return std::make_unique<StiffnessDamping<dim>>(factor);
-      }
-    };
-  } // namespace
-
-  TOMBOLO_REGISTER_PROCESS_KIND(DampingKind, process_order::damping)
-  TOMBOLO_REGISTER_PROCESS_KIND(StiffnessDampingKind, process_order::loads + 1)
-
-  namespace
-  {
-    constexpr const char *surface_section_name = "Surface damping";
-
-    template <int dim>
-    class SurfaceDampingKind : public ProcessKind<dim>
-    {
-    public:
-      void declare_parameters(Parameters &parameters) const override
-      {
-        const Entries e = Entries(parameters.handler()).subsection(surface_section_name);
-        e.number(
-            "Coefficient", "0.3", between(0., 1.), "",
-            "b of the viscosity b ρ c h between the layers at the surface of particles whose shape "
-            "functions are cell averages: it takes away the oscillation of the outermost layer "
-            "that a sudden load leaves there. Materials that flow are left alone. 0: there is "
-            "none. The stable step of particles alone is 6 to 9 % longer without it.");
-      }
-
-      void validate(const Parameters &parameters,
-                    const std::vector<Part<dim>> &parts) const override
-      {
-        for (const Part<dim> &part : parts)
-          if (part.particles != nullptr && part.material->has_mechanics())
-            parameters.section(surface_section_name).get_double("Coefficient"); // marks it as read
-      }
-
-      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
-                                               Model<dim> &model) const override
-      {
-        const double coefficient =
-            parameters.section(surface_section_name).get_double("Coefficient");
-        if (!model.has_mechanics || coefficient == 0.)
-          return nullptr;
-        auto process = std::make_unique<SurfaceDamping<dim>>(coefficient, model);
-        if (Utilities::MPI::max(process->has_fibres() ? 1 : 0, model.communicator) == 0)
-          return nullptr;
-        return process;
-      }
-    };
-  } // namespace
-
-  TOMBOLO_REGISTER_PROCESS_KIND(SurfaceDampingKind, process_order::damping)
+  TOMBOLO_REGISTER_PROCESS(Damping, process_order::damping)
+  TOMBOLO_REGISTER_PROCESS(StiffnessDamping, process_order::loads + 1)
+  TOMBOLO_REGISTER_PROCESS(SurfaceDamping, process_order::damping)
 } // namespace tombolo

@@ -2,7 +2,7 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/process.h>
+#include <tombolo/model/plain_kind.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/symmetric_tensor.h>
@@ -85,11 +85,8 @@ namespace tombolo
           entry[0] = -1e300;
         for (std::size_t k = 0; k < conditions.constrained_nodes().size(); ++k)
         {
-          const double *const x =
-              model.state.initial_position.node(conditions.constrained_nodes()[k]);
-          Point<dim> position;
-          for (unsigned int d = 0; d < dim; ++d)
-            position[d] = x[d];
+          const Point<dim> position =
+              point_of<dim>(model.state.initial_position.node(conditions.constrained_nodes()[k]));
           Tensor<1, dim> displacement;
           try
           {
@@ -144,6 +141,28 @@ namespace tombolo
              "balance of energy will not hold, with any step; with `" +
              cure + "` it does.";
     }
+
+    /** The value of an entry; empty where nothing declares it: formulations differ, and a model can
+     * stand without a run. */
+    std::string value_of(const Section &section, const std::string &entry)
+    {
+      return section.is_declared(entry) ? section.get(entry) : "";
+    }
+
+    /** The entry by which the stress of a part derives from an energy; empty where it does, or
+     * where the formulation has no such choice. */
+    std::string cure_of(const Section &part)
+    {
+      const Section method = part.subsection(part.get("Formulation"));
+      const std::string measure = value_of(method, "Strain measure");
+      const std::string smoothing = value_of(method, "Smoothing");
+      // Positions have to move with the velocity that strains.
+      if (!measure.empty() && !smoothing.empty() && smoothing != "affine" && smoothing != "none")
+        return method.path() + "/Smoothing = affine";
+      const bool is_rate =
+          measure == "rate" || (measure == "automatic" && value_of(method, "Gradient") == "paper");
+      return is_rate ? method.path() + "/Strain measure = logarithmic" : "";
+    }
   } // namespace
 
   /**
@@ -172,6 +191,32 @@ namespace tombolo
       parts.front().has_warned = foreseen > large_strain;
       this->observed.warnings.connect([this, &model](auto &, const auto occasion, auto &warnings)
                                       { add_warnings(model, occasion, warnings); });
+    }
+
+    static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
+    {
+      const Section run = parameters.section("");
+      const std::string integration = value_of(run, "Time integration");
+      if (!model.has_mechanics || !(integration.empty() || integration == "explicit"))
+        return nullptr;
+      std::vector<WatchedPart> parts;
+      for (unsigned int p = 0; p < model.parts.size(); ++p)
+      {
+        const Part<dim> &part = model.parts[p];
+        const MaterialPoints &points = part.formulation->points();
+        if (!part.material->has_mechanics() ||
+            points.find_field("plastic work") < points.fields().size())
+          continue;
+        const std::string cure = cure_of(parameters.section("Part: " + part.name));
+        if (!cure.empty())
+          parts.push_back({p, cure});
+      }
+      if (parts.empty())
+        return nullptr;
+      const bool is_run = !value_of(run, "End time").empty();
+      return std::make_unique<ElasticStrain>(
+          std::move(parts), is_run ? foreseen_strain(model, run.get_double("End time")) : 0.,
+          model);
     }
 
   private:
@@ -222,62 +267,5 @@ namespace tombolo
     double foreseen;
   };
 
-  namespace
-  {
-    /** The value of an entry; empty where nothing declares it: formulations differ, and a model can
-     * stand without a run. */
-    std::string value_of(const Section &section, const std::string &entry)
-    {
-      return section.is_declared(entry) ? section.get(entry) : "";
-    }
-
-    /** The entry by which the stress of a part derives from an energy; empty where it does, or
-     * where the formulation has no such choice. */
-    std::string cure_of(const Section &part)
-    {
-      const Section method = part.subsection(part.get("Formulation"));
-      const std::string measure = value_of(method, "Strain measure");
-      const std::string smoothing = value_of(method, "Smoothing");
-      // Positions have to move with the velocity that strains.
-      if (!measure.empty() && !smoothing.empty() && smoothing != "affine" && smoothing != "none")
-        return method.path() + "/Smoothing = affine";
-      const bool is_rate =
-          measure == "rate" || (measure == "automatic" && value_of(method, "Gradient") == "paper");
-      return is_rate ? method.path() + "/Strain measure = logarithmic" : "";
-    }
-
-    template <int dim>
-    class ElasticStrainKind : public ProcessKind<dim>
-    {
-    public:
-      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
-                                               Model<dim> &model) const override
-      {
-        const Section run = parameters.section("");
-        const std::string integration = value_of(run, "Time integration");
-        if (!model.has_mechanics || !(integration.empty() || integration == "explicit"))
-          return nullptr;
-        std::vector<typename ElasticStrain<dim>::WatchedPart> parts;
-        for (unsigned int p = 0; p < model.parts.size(); ++p)
-        {
-          const Part<dim> &part = model.parts[p];
-          const MaterialPoints &points = part.formulation->points();
-          if (!part.material->has_mechanics() ||
-              points.find_field("plastic work") < points.fields().size())
-            continue;
-          const std::string cure = cure_of(parameters.section("Part: " + part.name));
-          if (!cure.empty())
-            parts.push_back({p, cure});
-        }
-        if (parts.empty())
-          return nullptr;
-        const bool is_run = !value_of(run, "End time").empty();
-        return std::make_unique<ElasticStrain<dim>>(
-            std::move(parts), is_run ? foreseen_strain(model, run.get_double("End time")) : 0.,
-            model);
-      }
-    };
-  } // namespace
-
-  TOMBOLO_REGISTER_PROCESS_KIND(ElasticStrainKind, process_order::sections)
+  TOMBOLO_REGISTER_PROCESS(ElasticStrain, process_order::sections)
 } // namespace tombolo

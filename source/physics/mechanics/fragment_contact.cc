@@ -1,122 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/fragment_contact.h>
 
-#include <tombolo/formulations/particles/self_contact.h>
-#include <tombolo/model/model.h>
+#include <tombolo/model/plain_kind.h>
 #include <tombolo/physics/statics/rest_entries.h>
-
-#include <deal.II/base/mpi.h>
-
-#include <nlohmann/json.hpp>
-
-#include <algorithm>
-#include <string>
-#include <vector>
 
 namespace tombolo
 {
-  namespace
-  {
-    /** The parts whose particles touch others. */
-    template <int dim>
-    std::vector<typename SpherePairs<dim>::Part> parts_in_contact(const Model<dim> &model)
-    {
-      std::vector<typename SpherePairs<dim>::Part> result;
-      for (ParticleFormulation<dim> *const particles : model.particle_parts())
-        if (SelfContact<dim> *const contact = particles->fragment_contact())
-          result.push_back({contact, particles});
-      return result;
-    }
-
-    /** Forces between parts were kept beside those of the points before. */
-    template <typename Archive>
-    void refuse_earlier_records(Archive &archive)
-    {
-      const std::string name = "contact between parts";
-      if (archive.is_reading() && archive.has(name))
-        archive.fail("it is of a version in which contact between particle parts kept forces and "
-                     "energies of its own (\"" +
-                     name +
-                     "\"); this one keeps them with the particles. Its run can be finished with "
-                     "that version.");
-    }
-  } // namespace
-
   template <int dim>
-  FragmentContact<dim>::FragmentContact(const Model<dim> &model)
-      : model(model), revision_of_cells(model.revisions.cells),
-        contact(parts_in_contact(model), *model.nodes, *model.bodies),
-        forces(this->actions.add("contact of fragments", ActsAt::positions))
+  void FragmentContact<dim>::validate(const Parameters &parameters,
+                                      const std::vector<Part<dim>> &parts)
   {
-    if (!contact.rubs())
-      forces.stays_on_rank();
-    if (parts_in_contact(model).size() > 1)
-    {
-      this->roles.divided_cells = ProcessRole::is_refused;
-      this->records.archived([](auto &archive) { refuse_earlier_records(archive); });
-    }
-    this->observed.step_limits.connect(
-        [&](const double stable_step, double &fraction)
-        { fraction = std::min(fraction, contact.stable_fraction(stable_step)); });
-    const auto n_fragments = [&]
-    { return Utilities::MPI::sum(contact.counts().n_fragments, model.communicator); };
-    this->observed.column("fragments", "1", [=] { return static_cast<double>(n_fragments()); });
-    this->observed.column("particles in self-contact", "1",
-                          [&]
-                          {
-                            return static_cast<double>(Utilities::MPI::sum(
-                                contact.counts().n_touching, model.communicator));
-                          });
-    this->observed.result("fragments", [=] { return n_fragments(); });
-    if (!contact.rubs() || !model.heat)
-      return;
-    heat = &this->actions.add_heat("heat of fragments", "self-contact friction heat");
-    heat->stays_on_rank();
+    refuse_switch_at_rest<dim>(parameters, parts, "Self-contact",
+                               "it acts between fragments that move");
   }
 
-  template <int dim>
-  void FragmentContact<dim>::add_forces(const Model<dim> &, const Clock &clock, const NodalVector &)
-  {
-    const MechanicalInput input{&model.state.position, &model.state.velocity, clock.previous_step};
-    FragmentHeat node_heat;
-    if (heat != nullptr)
-      node_heat = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy,
-                   &model.heat->state.pending, heat};
-    if (revision_of_cells != model.revisions.cells)
-      contact.reset_pairs();
-    revision_of_cells = model.revisions.cells;
-    contact.add_forces(input, model.element_mass,
-                       contact.rubs() ? forces.at_all_nodes() : forces.at_touched_nodes(),
-                       forces.touched_nodes(), node_heat);
-  }
-
-  namespace
-  {
-    template <int dim>
-    class FragmentContactKind : public ProcessKind<dim>
-    {
-    public:
-      void validate(const Parameters &parameters,
-                    const std::vector<Part<dim>> &parts) const override
-      {
-        refuse_switch_at_rest<dim>(parameters, parts, "Self-contact",
-                                   "it acts between fragments that move");
-      }
-
-      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
-                                               Model<dim> &model) const override
-      {
-        constexpr std::size_t most_parts = 50; // bits of an exact double
-        const std::size_t n_parts = parts_in_contact(model).size();
-        if (n_parts > most_parts)
-          parameters.section("").fail("Parts", "allowed are 50 parts with self-contact.");
-        return n_parts == 0 ? nullptr : std::make_unique<FragmentContact<dim>>(model);
-      }
-    };
-  } // namespace
-
-  template class FragmentContact<2>;
-  template class FragmentContact<3>;
-
-  TOMBOLO_REGISTER_PROCESS_KIND(FragmentContactKind, process_order::fragment_contact)
+  TOMBOLO_REGISTER_PROCESS(FragmentContact, process_order::fragment_contact)
 } // namespace tombolo

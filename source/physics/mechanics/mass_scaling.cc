@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/mass_scaling.h>
 
-#include <tombolo/model/moving_parts.h>
-
-#include <set>
+#include <tombolo/model/plain_kind.h>
 
 namespace tombolo
 {
@@ -36,48 +34,5 @@ namespace tombolo
                          "become smaller. It is never taken away.");
   }
 
-  namespace
-  {
-    template <int dim>
-    class MassScalingKind : public ProcessKind<dim>
-    {
-    public:
-      void declare_parameters(Parameters &parameters) const override
-      {
-        declare_section<ScalingSettings>(parameters, "Scaling");
-      }
-
-      void prepare(const Parameters &parameters, std::vector<Part<dim>> &parts) const override
-      {
-        const double factor = ScalingSettings(parameters.section("Scaling")).inertia_factor();
-        std::set<Material *> materials;
-        for (const Part<dim> &part : parts)
-          if (materials.insert(part.material.get()).second)
-            part.material->scale_inertia(factor);
-      }
-
-      void validate(const Parameters &parameters,
-                    const std::vector<Part<dim>> &parts) const override
-      {
-        const Section scaling = parameters.section("Scaling");
-        if (ScalingSettings(scaling).is_active() && !parts.empty() &&
-            std::none_of(parts.begin(), parts.end(),
-                         [](const Part<dim> &part) { return has_motion(part); }))
-          scaling.fail("", "the scene has no mechanics, since its materials have no stresses; "
-                           "scaled inertia would do nothing.");
-      }
-
-      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
-                                               Model<dim> &model) const override
-      {
-        const Section section = parameters.section("Scaling");
-        const ScalingSettings settings(section);
-        if (!settings.is_active())
-          return nullptr;
-        return std::make_unique<MassScaling<dim>>(section, settings, model);
-      }
-    };
-  } // namespace
-
-  TOMBOLO_REGISTER_PROCESS_KIND(MassScalingKind, process_order::mass_scaling)
+  TOMBOLO_REGISTER_PROCESS(MassScaling, process_order::mass_scaling)
 } // namespace tombolo

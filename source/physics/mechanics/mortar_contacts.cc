@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/mortar_contact.h>
-#include <tombolo/model/process.h>
+#include <tombolo/model/plain_kind.h>
 
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/parameters.h>
@@ -325,6 +325,61 @@ namespace tombolo
       }
     }
 
+    static void declare_parameters(Parameters &parameters)
+    {
+      parameters.handler().declare_entry(
+          "Body contacts", "", Patterns::Anything(),
+          "Names of contacts between bodies, each with a section `Body contact: "
+          "NAME`.");
+      for (const std::string &name : section_names(parameters, "Body contacts"))
+      {
+        const Entries e = Entries(parameters.handler()).subsection("Body contact: " + name);
+        for (const std::string side : {"Slave", "Master"})
+        {
+          e.text(side + " parts", "", "",
+                 "Names of the parts whose faces on the boundary of the mesh are this side, "
+                 "separated by commas; empty for all. The side with the smaller faces is the "
+                 "better slave.");
+          e.text(side + " boundary", "", "",
+                 "Names of the boundaries with the faces of this side, separated by commas; "
+                 "empty for all boundaries of the parts.");
+        }
+        Pairing<dim>::create(e);
+        declare<MortarSettings>(e);
+      }
+    }
+
+    static void validate(const Parameters &parameters, const std::vector<Part<dim>> &parts)
+    {
+      bool has_mechanics = false, has_heat = false;
+      for (const Part<dim> &part : parts)
+      {
+        has_mechanics = has_mechanics || part.material->has_mechanics();
+        has_heat = has_heat || part.heat != nullptr;
+      }
+      for (const Section &section : named_sections(parameters, "Body contacts", "Body contact"))
+      {
+        if (!has_mechanics)
+          section.fail("", "the scene has no mechanics, since its materials have no stresses; "
+                           "nothing can touch.");
+        const std::vector<std::string> rigid = parameters.raw_list("Contacts");
+        if (std::find(rigid.begin(), rigid.end(), section.name()) != rigid.end())
+          section.fail("", "an entry of `Contacts` has the same name; allowed is another one.");
+        MortarSettings settings(section, Pairing<dim>::create(section)->is_tied(), has_heat);
+        check_side(section, "Slave", parts);
+        check_side(section, "Master", parts);
+      }
+    }
+
+    static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
+    {
+      const std::vector<Section> sections =
+          named_sections(parameters, "Body contacts", "Body contact");
+      if (sections.empty())
+        return nullptr;
+      return std::make_unique<MortarContacts>(sections, model);
+    }
+
   private:
     /** Connects to signals of the model, and adds outputs. */
     void observe(Model<dim> &model)
@@ -442,68 +497,7 @@ namespace tombolo
 
   namespace
   {
-    template <int dim>
-    class MortarContactsKind : public ProcessKind<dim>
-    {
-    public:
-      void declare_parameters(Parameters &parameters) const override
-      {
-        parameters.handler().declare_entry(
-            "Body contacts", "", Patterns::Anything(),
-            "Names of contacts between bodies, each with a section `Body contact: "
-            "NAME`.");
-        for (const std::string &name : section_names(parameters, "Body contacts"))
-        {
-          const Entries e = Entries(parameters.handler()).subsection("Body contact: " + name);
-          for (const std::string side : {"Slave", "Master"})
-          {
-            e.text(side + " parts", "", "",
-                   "Names of the parts whose faces on the boundary of the mesh are this side, "
-                   "separated by commas; empty for all. The side with the smaller faces is the "
-                   "better slave.");
-            e.text(side + " boundary", "", "",
-                   "Names of the boundaries with the faces of this side, separated by commas; "
-                   "empty for all boundaries of the parts.");
-          }
-          Pairing<dim>::create(e);
-          declare<MortarSettings>(e);
-        }
-      }
-
-      void validate(const Parameters &parameters,
-                    const std::vector<Part<dim>> &parts) const override
-      {
-        bool has_mechanics = false, has_heat = false;
-        for (const Part<dim> &part : parts)
-        {
-          has_mechanics = has_mechanics || part.material->has_mechanics();
-          has_heat = has_heat || part.heat != nullptr;
-        }
-        for (const Section &section : named_sections(parameters, "Body contacts", "Body contact"))
-        {
-          if (!has_mechanics)
-            section.fail("", "the scene has no mechanics, since its materials have no stresses; "
-                             "nothing can touch.");
-          const std::vector<std::string> rigid = parameters.raw_list("Contacts");
-          if (std::find(rigid.begin(), rigid.end(), section.name()) != rigid.end())
-            section.fail("", "an entry of `Contacts` has the same name; allowed is another one.");
-          MortarSettings settings(section, Pairing<dim>::create(section)->is_tied(), has_heat);
-          check_side(section, "Slave", parts);
-          check_side(section, "Master", parts);
-        }
-      }
-
-      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
-                                               Model<dim> &model) const override
-      {
-        const std::vector<Section> sections =
-            named_sections(parameters, "Body contacts", "Body contact");
-        if (sections.empty())
-          return nullptr;
-        return std::make_unique<MortarContacts<dim>>(sections, model);
-      }
-    };
   } // namespace
 
-  TOMBOLO_REGISTER_PROCESS_KIND(MortarContactsKind, process_order::contact)
+  TOMBOLO_REGISTER_PROCESS(MortarContacts, process_order::contact)
 } // namespace tombolo

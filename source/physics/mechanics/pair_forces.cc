@@ -4,28 +4,28 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/particles/pair_interactions.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/process.h>
+#include <tombolo/model/plain_kind.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/physics/statics/rest_entries.h>
 
 #include <algorithm>
 #include <iomanip>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace tombolo
 {
   namespace
   {
-    /** Calls @p use(pairs, particles, number of the particle part) for parts with pairs. */
-    template <int dim, typename Use>
-    void for_parts_with_pairs(const Model<dim> &model, const Use &use)
+    template <int dim>
+    std::vector<ParticleFormulation<dim> *> parts_with_pairs(const Model<dim> &model)
     {
-      const std::vector<ParticleFormulation<dim> *> parts = model.particle_parts();
-      for (std::size_t k = 0; k < parts.size(); ++k)
-        if (const PairInteractions<dim> *const pairs = parts[k]->pairs())
-          use(*pairs, *parts[k], k);
+      std::vector<ParticleFormulation<dim> *> result = model.particle_parts();
+      result.erase(std::remove_if(result.begin(), result.end(),
+                                  [](const auto *particles)
+                                  { return particles->pairs() == nullptr; }),
+                   result.end());
+      return result;
     }
   } // namespace
 
@@ -43,18 +43,17 @@ namespace tombolo
   {
   public:
     explicit PairForces(const Model<dim> &model)
-        : model(model), dampers(model.particle_parts().size())
+        : model(model), dampers(parts_with_pairs(model).size())
     {
       this->roles.rest = ProcessRole::is_idle;
       const auto add = [&](const std::string &name)
       { return &this->actions.add(name, ActsAt::nodes).books(name, EnergyKind::artificial); };
       bool has_viscosity = false, has_stress = false;
-      for_parts_with_pairs(model,
-                           [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t)
-                           {
-                             has_viscosity = has_viscosity || pairs.pair_terms().has_viscosity();
-                             has_stress = has_stress || pairs.pair_terms().has_artificial_stress();
-                           });
+      for (const auto *const particles : parts_with_pairs(model))
+      {
+        has_viscosity = has_viscosity || particles->pairs()->pair_terms().has_viscosity();
+        has_stress = has_stress || particles->pairs()->pair_terms().has_artificial_stress();
+      }
       if (has_viscosity)
       {
         viscosity = add("pair viscosity");
@@ -78,14 +77,11 @@ namespace tombolo
       const auto force_of = [](Action *const action)
       { return action != nullptr ? action->at_all_nodes().data() : nullptr; };
       double *const viscous_force = force_of(viscosity), *const stress_force = force_of(stress);
-      for_parts_with_pairs(
-          model,
-          [&](const PairInteractions<dim> &pairs, const auto &particles, const std::size_t)
-          {
-            pairs.pair_terms().add_forces(
-                pairs.pair_rows(), particles.points(), state.position.data(), state.velocity.data(),
-                viscous_force, heat != nullptr ? power.data() : nullptr, stress_force);
-          });
+      for (const auto *const particles : parts_with_pairs(model))
+        particles->pairs()->pair_terms().add_forces(
+            particles->pairs()->pair_rows(), particles->points(), state.position.data(),
+            state.velocity.data(), viscous_force, heat != nullptr ? power.data() : nullptr,
+            stress_force);
     }
 
     void model_changed(const Model<dim> &) override
@@ -99,15 +95,12 @@ namespace tombolo
         return;
       const NodalState &state = model.state;
       applied.fit_to(state.partition());
-      if (!std::exchange(are_linearized, true))
-        for_parts_with_pairs(
-            model,
-            [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t number)
-            {
-              if (pairs.pair_terms().has_viscosity())
-                pairs.pair_terms().linearize_viscosity(pairs.pair_rows(), state.position.data(),
-                                                       state.velocity.data(), dampers[number]);
-            });
+      const auto parts = parts_with_pairs(model);
+      for (std::size_t k = 0; k < parts.size() && !are_linearized; ++k)
+        if (const auto &pairs = *parts[k]->pairs(); pairs.pair_terms().has_viscosity())
+          pairs.pair_terms().linearize_viscosity(pairs.pair_rows(), state.position.data(),
+                                                 state.velocity.data(), dampers[k]);
+      are_linearized = true;
       add_up({&applied},
              [&]
              {
@@ -126,6 +119,23 @@ namespace tombolo
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
         if (power[i] > 0.)
           heat->add_heat(i, clock.velocity_step() * power[i]);
+    }
+
+    static void validate(const Parameters &parameters, const std::vector<Part<dim>> &parts)
+    {
+      refuse_switch_at_rest<dim>(parameters, parts, "Artificial stress",
+                                 "it acts in kernels that follow a motion");
+    }
+
+    static std::unique_ptr<Process<dim>> make(const Parameters &, Model<dim> &model)
+    {
+      bool has_forces = false;
+      for (const auto *const particles : parts_with_pairs(model))
+        has_forces = has_forces || particles->pairs()->pair_terms().has_viscosity() ||
+                     particles->pairs()->pair_terms().has_artificial_stress();
+      if (!model.has_mechanics || !has_forces)
+        return nullptr;
+      return std::make_unique<PairForces>(model);
     }
 
   private:
@@ -158,40 +168,14 @@ namespace tombolo
     Action *viscosity = nullptr, *stress = nullptr; // null: no part has it
     HeatAction *heat = nullptr;                     // null where nothing heats
     std::vector<double> power;                      // of the viscosity, by local node
-    std::vector<PairDampers<dim>> dampers;          // by particle part
+    std::vector<PairDampers<dim>> dampers;          // by particle part with pairs
     bool are_linearized = false;                    // dampers, at the present state
     NodalVector applied;                            // buffer of linearize()
   };
 
   namespace
   {
-    template <int dim>
-    class PairForcesKind : public ProcessKind<dim>
-    {
-    public:
-      void validate(const Parameters &parameters,
-                    const std::vector<Part<dim>> &parts) const override
-      {
-        refuse_switch_at_rest<dim>(parameters, parts, "Artificial stress",
-                                   "it acts in kernels that follow a motion");
-      }
-
-      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
-      {
-        bool has_forces = false;
-        for_parts_with_pairs(
-            model,
-            [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t)
-            {
-              has_forces = has_forces || pairs.pair_terms().has_viscosity() ||
-                           pairs.pair_terms().has_artificial_stress();
-            });
-        if (!model.has_mechanics || !has_forces)
-          return nullptr;
-        return std::make_unique<PairForces<dim>>(model);
-      }
-    };
   } // namespace
 
-  TOMBOLO_REGISTER_PROCESS_KIND(PairForcesKind, process_order::loads + 2)
+  TOMBOLO_REGISTER_PROCESS(PairForces, process_order::loads + 2)
 } // namespace tombolo

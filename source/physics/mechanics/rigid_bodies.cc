@@ -3,21 +3,13 @@
 
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/model/mass_of_part.h>
+#include <tombolo/model/plain_kind.h>
 #include <tombolo/output/history.h>
 
 namespace tombolo
 {
   namespace
   {
-    Tensor<2, 3> matrix_of(const double *const rows)
-    {
-      Tensor<2, 3> result;
-      for (unsigned int a = 0; a < 3; ++a)
-        for (unsigned int b = 0; b < 3; ++b)
-          result[a][b] = rows[3 * a + b];
-      return result;
-    }
-
     bool share_a_node(const std::vector<unsigned int> &one, const std::vector<unsigned int> &other,
                       const MPI_Comm communicator)
     {
@@ -263,7 +255,7 @@ namespace tombolo
         }
     }
     second = ordered_sum(second, model.communicator);
-    result.nodal_second = matrix_of(second.data());
+    result.nodal_second = Tensor<2, 3>(ArrayView<const double>(second.data(), 9));
     for (const unsigned int part : body.parts)
     {
       const MassMoments &cells = rigid_cells(model.parts[part])->mass_moments();
@@ -271,7 +263,7 @@ namespace tombolo
       result.second += model.parts[part].material->relative_inertia() *
                        (cells.second + outer_product(cells.mass * offset, offset));
     }
-    result.second += matrix_of(second.data() + 9);
+    result.second += Tensor<2, 3>(ArrayView<const double>(second.data() + 9, 9));
     return result;
   }
 
@@ -303,39 +295,9 @@ namespace tombolo
   {
     /** After all others, since all their forces move the bodies. */
     constexpr int after_all_forces = process_order::named + 100;
-
-    template <int dim>
-    class RigidBodiesKind : public ProcessKind<dim>
-    {
-    public:
-      void declare_parameters(Parameters &parameters) const override
-      {
-        for (const std::string &name : section_names(parameters, "Parts"))
-          declare<RigidBodySettings<dim>>(
-              Entries(parameters.handler()).subsection("Part: " + name).subsection("rigid"));
-      }
-
-      void validate(const Parameters &parameters,
-                    const std::vector<Part<dim>> &parts) const override
-      {
-        const std::vector<Section> sections = named_sections(parameters, "Parts", "Part");
-        for (std::size_t p = 0; p < parts.size(); ++p)
-          if (rigid_cells(parts[p]) != nullptr)
-            RigidBodySettings<dim>(sections[p].subsection("rigid"));
-      }
-
-      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
-                                               Model<dim> &model) const override
-      {
-        if (std::none_of(model.parts.begin(), model.parts.end(),
-                         [](const Part<dim> &part) { return rigid_cells(part) != nullptr; }))
-          return nullptr;
-        return std::make_unique<RigidBodies<dim>>(parameters, model);
-      }
-    };
   } // namespace
 
-  TOMBOLO_REGISTER_PROCESS_KIND(RigidBodiesKind, after_all_forces)
+  TOMBOLO_REGISTER_PROCESS(RigidBodies, after_all_forces)
 
   template <int dim>
   void add_rigid_body_columns(const RigidBodyBalance &now, BalanceHistory<dim> &row)
@@ -360,13 +322,7 @@ namespace tombolo
 
   namespace
   {
-    /**
-     * Positions, motions and drives of rigid parts: `rigid_bodies.csv`, with position
-     * and velocity of the reference point of each of them, rotation and spin, momentum, angular
-     * momentum about the centre of mass, the mean force and the mean moment about the reference
-     * point since the row before of the reactions at prescribed components, the work of these and
-     * of given forces since the start, and kinetic energies.
-     */
+    /** `rigid_bodies.csv` (doc/rigid_bodies.md). */
     const HistoryRegistration rigid_body_registration(
         {"rigid body history", "rigid_bodies.csv",
          "Positions, rotations, momenta, driving forces and works of rigid parts "

@@ -11,8 +11,7 @@
 #include <tombolo/model/mass_of_part.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
-#include <tombolo/model/part.h>
-#include <tombolo/model/process.h>
+#include <tombolo/model/plain_kind.h>
 #include <tombolo/output/history.h>
 #include <tombolo/physics/mechanics/named_parts.h>
 #include <tombolo/state/nodal_vector.h>
@@ -33,18 +32,6 @@
 
 namespace tombolo
 {
-  namespace
-  {
-    /** Adds a force at a position relative to @p point. */
-    void add_about(const std::array<double, 3> &point, const double *const position,
-                   const double *const force, LoadSum &sum)
-    {
-      const double arm[3] = {position[0] - point[0], position[1] - point[1],
-                             position[2] - point[2]};
-      sum.add(arm, force);
-    }
-  } // namespace
-
   /**
    * A section that forces pass through, of one of two kinds.
    *
@@ -283,7 +270,11 @@ namespace tombolo
     {
       LoadSum sum;
       for (const unsigned int node : nodes)
-        add_about(point, position.node(node), force.node(node), sum);
+      {
+        const double *const x = position.node(node);
+        const double arm[3] = {x[0] - point[0], x[1] - point[1], x[2] - point[2]};
+        sum.add(arm, force.node(node));
+      }
       return sum;
     }
 
@@ -364,6 +355,41 @@ namespace tombolo
       }
     }
 
+    static void declare_parameters(Parameters &parameters)
+    {
+      parameters.handler().declare_entry(
+          sections_list, "", Patterns::Anything(),
+          "Names of sections of the bodies, each with a section `Section: NAME`: forces and "
+          "moments through them are in sections.csv.");
+      for (const std::string &name : section_names(parameters, sections_list))
+        declare_section<BodySection<dim>>(parameters, "Section: " + name, std::vector<Part<dim>>());
+    }
+
+    static void validate(const Parameters &parameters, const std::vector<Part<dim>> &parts)
+    {
+      for (const Section &section : named_sections(parameters, sections_list, "Section"))
+      {
+        BodySection<dim>(section, parts);
+        if (std::none_of(parts.begin(), parts.end(),
+                         [](const Part<dim> &part) { return part.material->has_mechanics(); }))
+          section.fail("", "the scene has no mechanics, since its materials have no stresses; "
+                           "no force passes through a section.");
+      }
+    }
+
+    static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
+    {
+      std::vector<BodySection<dim>> sections;
+      for (const Section &section : named_sections(parameters, sections_list, "Section"))
+      {
+        sections.emplace_back(section, model.parts);
+        sections.back().find_side(section, model);
+      }
+      if (sections.empty())
+        return nullptr;
+      return std::make_unique<SectionForces>(std::move(sections), model);
+    }
+
   private:
     /** Sections in their order. Collective. */
     void fill_row(BalanceHistory<dim> &row) const
@@ -392,57 +418,11 @@ namespace tombolo
 
   namespace
   {
-    template <int dim>
-    class SectionForcesKind : public ProcessKind<dim>
-    {
-    public:
-      void declare_parameters(Parameters &parameters) const override
-      {
-        parameters.handler().declare_entry(
-            sections_list, "", Patterns::Anything(),
-            "Names of sections of the bodies, each with a section `Section: NAME`: forces and "
-            "moments through them are in sections.csv.");
-        for (const std::string &name : section_names(parameters, sections_list))
-          declare_section<BodySection<dim>>(parameters, "Section: " + name,
-                                            std::vector<Part<dim>>());
-      }
-
-      void validate(const Parameters &parameters,
-                    const std::vector<Part<dim>> &parts) const override
-      {
-        for (const Section &section : named_sections(parameters, sections_list, "Section"))
-        {
-          BodySection<dim>(section, parts);
-          if (std::none_of(parts.begin(), parts.end(),
-                           [](const Part<dim> &part) { return part.material->has_mechanics(); }))
-            section.fail("", "the scene has no mechanics, since its materials have no stresses; "
-                             "no force passes through a section.");
-        }
-      }
-
-      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
-                                               Model<dim> &model) const override
-      {
-        std::vector<BodySection<dim>> sections;
-        for (const Section &section : named_sections(parameters, sections_list, "Section"))
-        {
-          sections.emplace_back(section, model.parts);
-          sections.back().find_side(section, model);
-        }
-        if (sections.empty())
-          return nullptr;
-        return std::make_unique<SectionForces<dim>>(std::move(sections), model);
-      }
-    };
   } // namespace
 
-  TOMBOLO_REGISTER_PROCESS_KIND(SectionForcesKind, process_order::sections)
+  TOMBOLO_REGISTER_PROCESS(SectionForces, process_order::sections)
 
-  /**
-   * The forces through sections of the bodies: `sections.csv`, with the mean force and the mean
-   * moment since the row before and the impulse since the start of each section, in the order of
-   * `Sections`. Impulses are those until t_{n-1/2}, as the momenta of `statistics.csv`.
-   */
+  /** `sections.csv` (doc/conditions.md). */
   const HistoryRegistration section_registration(
       {section_history, "sections.csv",
        "Forces, moments and impulses through sections and interfaces of parts (sections.csv); in "

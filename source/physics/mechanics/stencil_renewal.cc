@@ -79,7 +79,6 @@ namespace tombolo
         n_broken = n_broken_bonds(model);
     }
 
-    /** See PlainKind. */
     static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
     {
       if (!model.has_mechanics || model.particle_parts().empty())

@@ -4,6 +4,7 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/model/moving_parts.h>
+#include <tombolo/model/plain_kind.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <deal.II/base/mpi.h>
@@ -135,21 +136,6 @@ namespace tombolo
   template double cost_with_longer_steps(const Model<2> &, double);
   template double cost_with_longer_steps(const Model<3> &, double);
 
-  struct SubcyclingSettings
-  {
-    explicit SubcyclingSettings(const Entries &e)
-    {
-      largest_ratio = static_cast<unsigned int>(std::stoul(e.choice(
-          "Largest ratio", "1", "1|2|4|8|16",
-          "Cells of elements take one step for 2, 4, 8 or 16 of the smallest of the scene, as far "
-          "as their own limit allows and up to this number. Particles, smoothed cells, and cells "
-          "that touch something, are about to be removed or to become particles, or lie beside "
-          "such cells, take each step. 1: all cells do.")));
-    }
-
-    unsigned int largest_ratio;
-  };
-
   /**
    * Cells with longer steps than the smallest of the scene (StepGroups), chosen by the stable step
    * of each (eq. (41) of Pan et al. 2019) over that of the scene by its spectrum. One layer of
@@ -162,8 +148,8 @@ namespace tombolo
   class Subcycling : public Process<dim>
   {
   public:
-    Subcycling(const SubcyclingSettings &settings, const Parameters &parameters, Model<dim> &model)
-        : settings(settings), model(model), groups(model.step_groups),
+    Subcycling(const unsigned int largest_ratio, const Parameters &parameters, Model<dim> &model)
+        : largest_ratio(largest_ratio), model(model), groups(model.step_groups),
           estimator(Entries(parameters.section("Time step")).subsection("spectral"), false)
     {
       for (Part<dim> &part : model.parts)
@@ -233,7 +219,57 @@ namespace tombolo
       groups.set_partition(model);
     }
 
+    static void declare_parameters(Parameters &parameters)
+    {
+      read(Entries(parameters.handler()).subsection("Time step"));
+    }
+
+    static void prepare(const Parameters &parameters, std::vector<Part<dim>> &parts)
+    {
+      if (std::none_of(parts.begin(), parts.end(), has_motion<dim>) ||
+          read(parameters.section("Time step")) == 1)
+        return;
+      for (Part<dim> &part : parts)
+        if (auto *const cells = dynamic_cast<GroupedCells<dim> *>(part.formulation.get()))
+          cells->prepare_groups();
+    }
+
+    static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
+    {
+      if (!model.has_mechanics)
+        return nullptr;
+      const unsigned int largest_ratio = read(parameters.section("Time step"));
+      if (largest_ratio == 1)
+        return nullptr;
+      const Section section = parameters.section("Time step").subsection(section_name);
+      if (std::all_of(model.parts.begin(), model.parts.end(),
+                      [](const Part<dim> &part) { return grouped_cells(part) == nullptr; }))
+        section.fail("Largest ratio", "no part has cells that can take longer steps: these are "
+                                      "elements; allowed is 1.");
+      if (model.bridge->is_trace())
+        section.fail("Largest ratio", "elements see the field of the particles in each step "
+                                      "(`Bridge` = trace); allowed is 1.");
+      return std::make_unique<Subcycling>(largest_ratio, parameters, model);
+    }
+
   private:
+    static constexpr const char *section_name = "Subcycling";
+
+    /** The largest ratio, from the section of the time step. */
+    static unsigned int read(const Entries &time_step)
+    {
+      return static_cast<unsigned int>(
+          std::stoul(time_step.subsection(section_name)
+                         .choice("Largest ratio", "1", "1|2|4|8|16",
+                                 "Cells of elements take one step for 2, 4, 8 or 16 of the "
+                                 "smallest of the scene, as far "
+                                 "as their own limit allows and up to this number. Particles, "
+                                 "smoothed cells, and cells "
+                                 "that touch something, are about to be removed or to become "
+                                 "particles, or lie beside "
+                                 "such cells, take each step. 1: all cells do.")));
+    }
+
     void list_records()
     {
       Records &structure_records = this->structure.group("subcycling");
@@ -352,8 +388,7 @@ namespace tombolo
       choice.limit = round_down(estimator.estimate(model, choice.limit).time_step);
       groups.first_step = choice.limit;
       choice.scale = scale_of_limits(model, choice.limit);
-      const Ratios ratios =
-          ratios_by_limits(model, choice.scale / choice.limit, settings.largest_ratio);
+      const Ratios ratios = ratios_by_limits(model, choice.scale / choice.limit, largest_ratio);
       for (std::size_t p = 0; p < ratios.size(); ++p)
         model.parts[p].step_ratios = ratios[p];
       spread_small_steps();
@@ -387,7 +422,7 @@ namespace tombolo
     void spread_small_steps()
     {
       NodalVector marks(model.state.partition(), Quantity::scalar);
-      for (unsigned int ratio = 1; ratio < settings.largest_ratio; ratio *= 2)
+      for (unsigned int ratio = 1; ratio < largest_ratio; ratio *= 2)
       {
         const auto spread = [&](const auto &is_mark)
         {
@@ -473,7 +508,7 @@ namespace tombolo
       return result;
     }
 
-    SubcyclingSettings settings;
+    unsigned int largest_ratio;
     Model<dim> &model;
     StepGroups<dim> &groups;
     SpectralEstimator<dim> estimator;
@@ -489,57 +524,5 @@ namespace tombolo
     bool is_chosen = false;
   };
 
-  namespace
-  {
-    constexpr const char *subcycling_section = "Subcycling";
-
-    template <int dim>
-    class SubcyclingKind : public ProcessKind<dim>
-    {
-    public:
-      void declare_parameters(Parameters &parameters) const override
-      {
-        SubcyclingSettings(
-            Entries(parameters.handler()).subsection("Time step").subsection(subcycling_section));
-      }
-
-      void prepare(const Parameters &parameters, std::vector<Part<dim>> &parts) const override
-      {
-        if (std::none_of(parts.begin(), parts.end(), has_motion<dim>) ||
-            read(parameters).largest_ratio == 1)
-          return;
-        for (Part<dim> &part : parts)
-          if (auto *const cells = dynamic_cast<GroupedCells<dim> *>(part.formulation.get()))
-            cells->prepare_groups();
-      }
-
-      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
-                                               Model<dim> &model) const override
-      {
-        if (!model.has_mechanics)
-          return nullptr;
-        const SubcyclingSettings settings = read(parameters);
-        if (settings.largest_ratio == 1)
-          return nullptr;
-        const Section section = parameters.section("Time step").subsection(subcycling_section);
-        if (std::all_of(model.parts.begin(), model.parts.end(),
-                        [](const Part<dim> &part) { return grouped_cells(part) == nullptr; }))
-          section.fail("Largest ratio", "no part has cells that can take longer steps: these are "
-                                        "elements; allowed is 1.");
-        if (model.bridge->is_trace())
-          section.fail("Largest ratio", "elements see the field of the particles in each step "
-                                        "(`Bridge` = trace); allowed is 1.");
-        return std::make_unique<Subcycling<dim>>(settings, parameters, model);
-      }
-
-    private:
-      static SubcyclingSettings read(const Parameters &parameters)
-      {
-        return SubcyclingSettings(
-            Entries(parameters.section("Time step")).subsection(subcycling_section));
-      }
-    };
-  } // namespace
-
-  TOMBOLO_REGISTER_PROCESS_KIND(SubcyclingKind, process_order::subcycling)
+  TOMBOLO_REGISTER_PROCESS(Subcycling, process_order::subcycling)
 } // namespace tombolo

@@ -113,7 +113,6 @@ namespace tombolo
       model.bridge->positions_have_changed();
     }
 
-    /** See PlainKind. */
     static std::unique_ptr<Process<dim>> make(const Parameters &, Model<dim> &model)
     {
       if (!model.has_mechanics)

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/adaptive_refinement.h>
 
+#include <tombolo/model/plain_kind.h>
+
 namespace tombolo
 {
   template <int dim>
-  void AdaptiveRefinement<dim>::validate(const std::vector<Part<dim>> &parts) const
+  void AdaptiveRefinement<dim>::refuse_unfit(const std::vector<Part<dim>> &parts) const
   {
     const Parameters &parameters = section.all();
     if (const std::string missing = criterion->missing(parts); !missing.empty())
@@ -66,42 +68,10 @@ namespace tombolo
     }
   }
 
-  namespace
-  {
-    template <int dim>
-    class AdaptiveRefinementKind : public ProcessKind<dim>
-    {
-      void declare_parameters(Parameters &parameters) const override
-      {
-        declare<AdaptiveRefinement<dim>>(
-            Entries(parameters.handler()).subsection("Mesh").subsection(adaptive_section));
-      }
-
-      void validate(const Parameters &parameters,
-                    const std::vector<Part<dim>> &parts) const override
-      {
-        if (!divides_cells_in_run(parameters))
-          return;
-        const AdaptiveRefinement<dim> refinement(parameters.section(adaptive_path));
-        if (std::all_of(parts.begin(), parts.end(),
-                        [](const Part<dim> &part) { return part.formulation != nullptr; }))
-          refinement.validate(parts);
-      }
-
-      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
-                                               Model<dim> &model) const override
-      {
-        return divides_cells_in_run(parameters)
-                   ? std::make_unique<AdaptiveRefinement<dim>>(parameters, model)
-                   : nullptr;
-      }
-    };
-  } // namespace
-
   template class AdaptiveRefinement<2>;
   template class AdaptiveRefinement<3>;
 
-  TOMBOLO_REGISTER_PROCESS_KIND(AdaptiveRefinementKind, process_order::conversion + 6)
+  TOMBOLO_REGISTER_PROCESS(AdaptiveRefinement, process_order::conversion + 6)
 
   namespace
   {

@@ -56,8 +56,7 @@ namespace tombolo
             if (cells->is_removed(c))
               void_cells.push_back(cells->nodes_of_cell(c));
         }
-      if (std::any_of(parts.begin(), parts.end(),
-                      [](const Refilled &part) { return part.refill->settings.fills_cells; }))
+      if (fills_cells())
         model.remove_faces(void_cells);
       this->structure.archived(
           [this, &model](StateArchive &archive)
@@ -145,8 +144,7 @@ namespace tombolo
     void model_changed(const Model<dim> &model) override
     {
       massless.clear();
-      if (std::any_of(parts.begin(), parts.end(),
-                      [](const Refilled &part) { return part.refill->settings.fills_cells; }))
+      if (fills_cells())
         for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
           if (*model.state.mass.node(i) == 0.)
             massless.push_back(i);
@@ -169,7 +167,6 @@ namespace tombolo
       return result;
     }
 
-    /** See PlainKind. */
     static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
     {
       if (std::none_of(model.parts.begin(), model.parts.end(),
@@ -202,6 +199,12 @@ namespace tombolo
     {
       double enthalpy = 0, next_enthalpy = 0, given = 0;
     };
+
+    bool fills_cells() const
+    {
+      return std::any_of(parts.begin(), parts.end(),
+                         [](const Refilled &part) { return part.refill->settings.fills_cells; });
+    }
 
     void observe(const Model<dim> &model)
     {
@@ -346,10 +349,7 @@ namespace tombolo
                                   ((a == b ? arm.norm_square() : 0.) - arm[a] * arm[b]);
       }
       entries = ordered_sum(entries, model.communicator);
-      Tensor<2, 3> inertia;
-      for (unsigned int a = 0; a < 3; ++a)
-        for (unsigned int b = 0; b < 3; ++b)
-          inertia[a][b] = entries[3 * a + b];
+      const Tensor<2, 3> inertia(ArrayView<const double>(entries.data(), 9));
       const double scale = trace(inertia) / 3.;
       Tensor<1, 3> rotation;
       if (dim == 2 && inertia[2][2] > 0.)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/moment.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/formulations/elements/eroding_cells.h>
 #include <tombolo/model/internal_power.h>
@@ -108,11 +109,16 @@ namespace tombolo
       std::vector<std::vector<unsigned int>> failed;
       for (const auto &[number, cells] : parts)
         failed.push_back(cells->find_failed_cells(model.state.position));
-      if (!are_some(failed))
+      const auto are_some = [&]
+      {
+        return any_of_all_ranks(
+            failed, [](const auto &cells) { return !cells.empty(); }, communicator);
+      };
+      if (!are_some())
         return false;
       for (std::size_t k = 0; k < parts.size(); ++k)
         model.step_groups.keep_ready(model, parts[k].number, failed[k]);
-      if (!are_some(failed))
+      if (!are_some())
         return false;
       model.begin_change();
 
@@ -159,7 +165,6 @@ namespace tombolo
       return dealii::Utilities::MPI::sum(count, communicator);
     }
 
-    /** See PlainKind. */
     static std::unique_ptr<Process<dim>> make(const Parameters &, Model<dim> &model)
     {
       if (std::none_of(model.parts.begin(), model.parts.end(), eroding_cells))
@@ -175,14 +180,6 @@ namespace tombolo
       std::size_t number;
       ErodingCells<dim> *cells;
     };
-
-    /** Whether any rank has such cells of any part. Collective. */
-    bool are_some(const std::vector<std::vector<unsigned int>> &cells_of_parts) const
-    {
-      const bool is_one = std::any_of(cells_of_parts.begin(), cells_of_parts.end(),
-                                      [](const auto &cells) { return !cells.empty(); });
-      return dealii::Utilities::MPI::max(is_one ? 1 : 0, communicator) == 1;
-    }
 
     void remove_faces(Model<dim> &model) const
     {

@@ -90,7 +90,6 @@ namespace tombolo
       return loads;
     }
 
-    /** See PlainKind. */
     static std::unique_ptr<Process<dim>> make(const Parameters &, const Model<dim> &model)
     {
       if (!model.has_mechanics || !model.conditions->has_loads())

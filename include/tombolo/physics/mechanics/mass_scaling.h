@@ -5,6 +5,7 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/moving_parts.h>
 #include <tombolo/model/process.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
@@ -18,6 +19,7 @@
 #include <array>
 #include <cmath>
 #include <ostream>
+#include <set>
 
 namespace tombolo
 {
@@ -187,6 +189,39 @@ namespace tombolo
       return result;
     }
 
+    static void declare_parameters(Parameters &parameters)
+    {
+      declare_section<ScalingSettings>(parameters, "Scaling");
+    }
+
+    static void prepare(const Parameters &parameters, std::vector<Part<dim>> &parts)
+    {
+      const double factor = ScalingSettings(parameters.section("Scaling")).inertia_factor();
+      std::set<Material *> materials;
+      for (const Part<dim> &part : parts)
+        if (materials.insert(part.material.get()).second)
+          part.material->scale_inertia(factor);
+    }
+
+    static void validate(const Parameters &parameters, const std::vector<Part<dim>> &parts)
+    {
+      const Section scaling = parameters.section("Scaling");
+      if (ScalingSettings(scaling).is_active() && !parts.empty() &&
+          std::none_of(parts.begin(), parts.end(),
+                       [](const Part<dim> &part) { return has_motion(part); }))
+        scaling.fail("", "the scene has no mechanics, since its materials have no stresses; "
+                         "scaled inertia would do nothing.");
+    }
+
+    static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
+    {
+      const Section section = parameters.section("Scaling");
+      const ScalingSettings settings(section);
+      if (!settings.is_active())
+        return nullptr;
+      return std::make_unique<MassScaling>(section, settings, model);
+    }
+
   private:
     void start(Model<dim> &model)
     {
@@ -305,7 +340,7 @@ namespace tombolo
     /** Energy and momentum of mass that was added to nodes in motion, whose velocity stays. */
     void account_for_added_mass(Model<dim> &model, const NodalVector &previous_mass)
     {
-      ImpulseAccount::Vector impulse{}, moment{};
+      LoadSum impulses;
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       {
         const double added = *model.bridge->mass().node(i) - *previous_mass.node(i);
@@ -316,12 +351,11 @@ namespace tombolo
         for (unsigned int d = 0; d < 3; ++d)
         {
           momentum[d] = added * v_hat[d];
-          impulse[d] += momentum[d];
           work += 0.5 * momentum[d] * v_hat[d];
         }
-        add_moment(model.state.position_of_unsmoothed().node(i), momentum.data(), moment);
+        impulses.add(model.state.position_of_unsmoothed().node(i), momentum.data());
       }
-      model.impulses.add_now(impulse, moment);
+      model.impulses.add_now(impulses.force, impulses.moment);
     }
 
     Section section;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/moment.h>
 #include <tombolo/base/ordered_sum.h>
@@ -20,7 +21,6 @@
 #include <array>
 #include <cstdlib>
 #include <ostream>
-#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -152,18 +152,15 @@ namespace tombolo
       std::vector<double> sums;
       for (std::size_t b = 0; b < bodies.size(); ++b)
       {
-        dealii::Tensor<1, 3> force;
-        std::array<double, 3> moment{};
+        LoadSum sum;
         for (const unsigned int node : joined[b].nodes)
         {
-          const dealii::Tensor<1, 3> node_force = vector_of<3>(state.force.node(node));
           const dealii::Tensor<1, 3> r =
               vector_of<3>(state.position.node(node)) - bodies[b].centre();
-          force += node_force;
-          add_moment(&r[0], &node_force[0], moment);
+          sum.add(&r[0], state.force.node(node));
         }
-        sums.insert(sums.end(), &force[0], &force[0] + 3);
-        sums.insert(sums.end(), moment.begin(), moment.end());
+        sums.insert(sums.end(), sum.force.begin(), sum.force.end());
+        sums.insert(sums.end(), sum.moment.begin(), sum.moment.end());
       }
       sums = ordered_sum(sums, model.communicator);
       for (std::size_t b = 0; b < bodies.size(); ++b)
@@ -188,6 +185,29 @@ namespace tombolo
     const std::vector<RigidBody<dim>> &all() const
     {
       return bodies;
+    }
+
+    static void declare_parameters(Parameters &parameters)
+    {
+      for (const std::string &name : section_names(parameters, "Parts"))
+        declare<RigidBodySettings<dim>>(
+            Entries(parameters.handler()).subsection("Part: " + name).subsection("rigid"));
+    }
+
+    static void validate(const Parameters &parameters, const std::vector<Part<dim>> &parts)
+    {
+      const std::vector<Section> sections = named_sections(parameters, "Parts", "Part");
+      for (std::size_t p = 0; p < parts.size(); ++p)
+        if (rigid_cells(parts[p]) != nullptr)
+          RigidBodySettings<dim>(sections[p].subsection("rigid"));
+    }
+
+    static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
+    {
+      if (std::none_of(model.parts.begin(), model.parts.end(),
+                       [](const Part<dim> &part) { return rigid_cells(part) != nullptr; }))
+        return nullptr;
+      return std::make_unique<RigidBodies>(parameters, model);
     }
 
   private:
@@ -253,17 +273,12 @@ namespace tombolo
         const dealii::Tensor<2, 3> tensor = inertia_of(inertia.second);
         Json entry = Json::object();
         entry["mass"] = inertia.mass;
-        entry["centre"] = Json::array();
-        for (unsigned int d = 0; d < dim; ++d)
-          entry["centre"].push_back(inertia.centre[d]);
-        entry["inertia"] = Json::array();
+        entry["centre"] = std::vector<double>(&inertia.centre[0], &inertia.centre[0] + dim);
         if (dim == 2)
-          entry["inertia"].push_back(tensor[2][2]);
+          entry["inertia"] = std::vector<double>{tensor[2][2]};
         else
-          for (const auto &component :
-               {std::make_pair(0, 0), std::make_pair(1, 1), std::make_pair(2, 2),
-                std::make_pair(1, 2), std::make_pair(0, 2), std::make_pair(0, 1)})
-            entry["inertia"].push_back(tensor[component.first][component.second]);
+          entry["inertia"] = std::vector<double>{tensor[0][0], tensor[1][1], tensor[2][2],
+                                                 tensor[1][2], tensor[0][2], tensor[0][1]};
         summary["rigid_parts"][body.name()] = entry;
       }
     }
@@ -279,11 +294,12 @@ namespace tombolo
             free += std::string(free.empty() ? "" : ", ") + "xyz"[d];
         const dealii::Tensor<2, 3> tensor = inertia_of(body.inertia().second);
         text << "  rigid part \"" << body.name() << "\": mass " << body.inertia().mass
-             << ", centre " << text_of(body.inertia().centre, dim) << ", moments of inertia ";
+             << ", centre " << position_text(vector_of<dim>(&body.inertia().centre[0]))
+             << ", moments of inertia ";
         if (dim == 2)
           text << tensor[2][2];
         else
-          text << text_of(dealii::Tensor<1, 3>({tensor[0][0], tensor[1][1], tensor[2][2]}), 3);
+          text << position_text(dealii::Tensor<1, 3>({tensor[0][0], tensor[1][1], tensor[2][2]}));
         text << (free.empty() ? ", moves as prescribed" : ", forces move it along " + free)
              << (motion.rotation == RigidRotation::by_angle ? ""
                  : motion.rotation == RigidRotation::free   ? ", moments turn it"
@@ -295,8 +311,7 @@ namespace tombolo
     /** Σ m v of the nodes of a body, and Σ r × m v about its centre of mass. Collective. */
     Wrench momentum_of_nodes(const std::size_t index, const Model<dim> &model) const
     {
-      std::array<double, 3> moment{};
-      std::array<double, 6> sums{};
+      LoadSum sum;
       for (const unsigned int node : joined[index].nodes)
       {
         const dealii::Tensor<1, 3> momentum =
@@ -304,13 +319,10 @@ namespace tombolo
             vector_of<3>(model.state.unsmoothed_velocity.node(node));
         const dealii::Tensor<1, 3> r =
             vector_of<3>(model.state.position.node(node)) - bodies[index].centre();
-        add_moment(&r[0], &momentum[0], moment);
-        for (unsigned int d = 0; d < 3; ++d)
-          sums[d] += momentum[d];
+        sum.add(&r[0], &momentum[0]);
       }
-      std::copy(moment.begin(), moment.end(), sums.begin() + 3);
-      sums = ordered_sum(sums, model.communicator);
-      return {vector_of<3>(sums.data()), vector_of<3>(sums.data() + 3)};
+      return {vector_of<3>(ordered_sum(sum.force, model.communicator).data()),
+              vector_of<3>(ordered_sum(sum.moment, model.communicator).data())};
     }
 
     /** Whether the masses of nodes have changed since the last call. Collective. */
@@ -396,15 +408,6 @@ namespace tombolo
     static double fixed_step(const Parameters &parameters)
     {
       return std::strtod(parameters.raw("Time step/Fixed", "0").c_str(), nullptr);
-    }
-
-    static std::string text_of(const dealii::Tensor<1, 3> &vector, const unsigned int n_components)
-    {
-      std::ostringstream text;
-      text.precision(6);
-      for (unsigned int d = 0; d < n_components; ++d)
-        text << (d == 0 ? "(" : ", ") << vector[d];
-      return text.str() + ")";
     }
 
     std::vector<RigidBody<dim>> bodies;

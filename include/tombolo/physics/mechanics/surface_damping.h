@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <deal.II/base/mpi.h>
+
+#include <tombolo/base/input/entries.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
 #include <tombolo/model/tangent.h>
@@ -9,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace tombolo
@@ -54,12 +58,6 @@ namespace tombolo
       }
     }
 
-    /** Whether this rank has some. */
-    bool has_fibres() const
-    {
-      return !fibres.empty();
-    }
-
     void model_changed(const Model<dim> &model) override
     {
       const auto &partition = model.state.partition();
@@ -99,7 +97,41 @@ namespace tombolo
           tangent.force->node(node)[d] -= tangent.factor * viscous_force.node(node)[d];
     }
 
+    static void declare_parameters(Parameters &parameters)
+    {
+      read(Entries(parameters.handler()).subsection(section_name));
+    }
+
+    static void validate(const Parameters &parameters, const std::vector<Part<dim>> &parts)
+    {
+      for (const Part<dim> &part : parts)
+        if (part.particles != nullptr && part.material->has_mechanics())
+          read(parameters.section(section_name)); // marks it as read
+    }
+
+    static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
+    {
+      const double coefficient = read(parameters.section(section_name));
+      if (!model.has_mechanics || coefficient == 0.)
+        return nullptr;
+      auto process = std::make_unique<SurfaceDamping>(coefficient, model);
+      if (dealii::Utilities::MPI::max(process->fibres.size(), model.communicator) == 0)
+        return nullptr;
+      return process;
+    }
+
   private:
+    static constexpr const char *section_name = "Surface damping";
+    static double read(const Entries &e)
+    {
+      return e.number(
+          "Coefficient", "0.3", between(0., 1.), "",
+          "b of the viscosity b ρ c h between the layers at the surface of particles whose shape "
+          "functions are cell averages: it takes away the oscillation of the outermost layer "
+          "that a sudden load leaves there. Materials that flow are left alone. 0: there is "
+          "none. The stable step of particles alone is 6 to 9 % longer without it.");
+    }
+
     /** The unit vector from @p b to @p a over their distance, and the rate of stretch along it. */
     struct Edge
     {

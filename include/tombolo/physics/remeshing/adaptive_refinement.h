@@ -171,7 +171,7 @@ namespace tombolo
     }
 
     /** Refuses scenes with what cannot be transferred to another mesh. Throws InputError. */
-    void validate(const std::vector<Part<dim>> &parts) const;
+    void refuse_unfit(const std::vector<Part<dim>> &parts) const;
 
     /** The divided cells of the next mesh before the step number @p step; nothing where the present
      * mesh stays. Where cells become smaller than all present ones, one step of their size is made
@@ -204,6 +204,29 @@ namespace tombolo
                            "). Allowed beside cells that are divided in the run are loads, "
                            "prescribed motion, damping, sections and `Contacts`.");
       refuse_too_many_levels(model);
+    }
+
+    static void declare_parameters(Parameters &parameters)
+    {
+      declare<AdaptiveRefinement>(
+          Entries(parameters.handler()).subsection("Mesh").subsection(adaptive_section));
+    }
+
+    static void validate(const Parameters &parameters, const std::vector<Part<dim>> &parts)
+    {
+      if (!divides_cells_in_run(parameters))
+        return;
+      const AdaptiveRefinement refinement(parameters.section(adaptive_path));
+      if (std::all_of(parts.begin(), parts.end(),
+                      [](const Part<dim> &part) { return part.formulation != nullptr; }))
+        refinement.refuse_unfit(parts);
+    }
+
+    static std::unique_ptr<Process<dim>> make(const Parameters &parameters, Model<dim> &model)
+    {
+      return divides_cells_in_run(parameters)
+                 ? std::make_unique<AdaptiveRefinement>(parameters, model)
+                 : nullptr;
     }
 
   private:
