@@ -6,7 +6,6 @@
 #include <tombolo/base/processor.h>
 #include <tombolo/output/summary.h>
 #include <tombolo/simulation/results_owner.h>
-#include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/simulation.h>
 #include <tombolo/simulation/stages.h>
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/on_ranks.h>
-#include <tombolo/simulation/run_parameters.h>
+#include <tombolo/simulation/simulation.h>
 
 #include <tombolo/base/output_directory.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/mesh/part_cells.h>
 #include <tombolo/model/checkpoint.h>
-#include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/output/exact_solution.h>
 #include <tombolo/output/output.h>

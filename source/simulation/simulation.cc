@@ -23,9 +23,7 @@
 #include <tombolo/simulation/requests.h>
 #include <tombolo/simulation/results_owner.h>
 #include <tombolo/simulation/run_outputs.h>
-#include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/run_summary.h>
-#include <tombolo/simulation/run_times.h>
 #include <tombolo/simulation/simulation.h>
 
 #include <deal.II/base/mpi.h>
@@ -99,7 +97,7 @@ namespace tombolo
 
         const bool is_new =
             Utilities::MPI::this_mpi_process(communicator) == 0 && !std::filesystem::exists(path);
-        if (!have_same_mesh(earlier, header))
+        if (earlier.divisions != header.divisions)
           rebuild_model(earlier);
         directory = std::make_unique<OutputDirectory>(parameters.section(""), "Output directory",
                                                       communicator);

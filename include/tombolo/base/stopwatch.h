@@ -8,6 +8,12 @@
 
 namespace tombolo
 {
+  /** Seconds since @p start. */
+  inline double seconds_since(const std::chrono::steady_clock::time_point start)
+  {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+
   /** Wall time by phase on this rank, summed over a run. For a few named phases; measuring one
    * costs two readings of the clock. */
   class Stopwatch

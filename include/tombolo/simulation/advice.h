@@ -4,6 +4,7 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/log.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/mesh/extent.h>
 #include <tombolo/model/model.h>
@@ -309,15 +310,6 @@ namespace tombolo
                short_number(limit) + " of the spectral estimate: the motion will not be stable.");
   }
 
-  template <int dim>
-  Tensor<1, 3> in_space(const double *const vector)
-  {
-    Tensor<1, 3> result;
-    for (unsigned int d = 0; d < dim; ++d)
-      result[d] = vector[d];
-    return result;
-  }
-
   /**
    * The speed of the outermost node of a model that spins, by the rotation that has its angular
    * momentum about its centre of mass [L/T]:
@@ -341,8 +333,8 @@ namespace tombolo
     for (unsigned int i = 0; i < n_nodes; ++i)
     {
       total += mass(i);
-      centre += mass(i) * in_space<dim>(positions.node(i));
-      mean += mass(i) * in_space<dim>(velocities.node(i));
+      centre += mass(i) * vector_of<3>(positions.node(i));
+      mean += mass(i) * vector_of<3>(velocities.node(i));
     }
     total = Utilities::MPI::sum(total, communicator);
     centre = Utilities::MPI::sum(centre, communicator) / total;
@@ -352,9 +344,9 @@ namespace tombolo
     Tensor<1, 3> momentum;
     for (unsigned int i = 0; i < n_nodes; ++i)
     {
-      const Tensor<1, 3> velocity = in_space<dim>(velocities.node(i)) - mean;
+      const Tensor<1, 3> velocity = vector_of<3>(velocities.node(i)) - mean;
       energy += 0.5 * mass(i) * velocity.norm_square();
-      momentum += mass(i) * cross_product_3d(in_space<dim>(positions.node(i)) - centre, velocity);
+      momentum += mass(i) * cross_product_3d(vector_of<3>(positions.node(i)) - centre, velocity);
     }
     energy = Utilities::MPI::sum(energy, communicator);
     momentum = Utilities::MPI::sum(momentum, communicator);
@@ -366,7 +358,7 @@ namespace tombolo
     for (unsigned int i = 0; i < n_nodes; ++i)
     {
       const double distance =
-          cross_product_3d(axis, in_space<dim>(positions.node(i)) - centre).norm();
+          cross_product_3d(axis, vector_of<3>(positions.node(i)) - centre).norm();
       inertia += mass(i) * distance * distance;
       radius = std::max(radius, distance);
     }
@@ -510,13 +502,7 @@ namespace tombolo
    * advises settings from which this scene would profit, each with the number of a page of doc
    * that decides it.
    *
-   * Warnings: a given step above the limit, conditions that prescribe different motions of one
-   * node, contacts whose surface will not come near before @p end_time, an end before a wave has
-   * crossed the body, and wave speeds that no solid has where `Unit labels` names the units.
-   *
-   * Advice: gradients that pass the patch test, another smoothing or step, scaled
-   * inertia, longer steps of large cells. A scene with an exact solution compares methods and gets
-   * no advice about its settings.
+   * A scene with an exact solution compares methods and gets no advice about its settings.
    *
    * Bodies at rest have no waves, no stable step and no smoothing of velocities, and get none of
    * the sentences about them. @p n_steps are those expected. Collective.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/format.h>
 #include <tombolo/base/log.h>
 #include <tombolo/base/memory.h>
+#include <tombolo/base/stopwatch.h>
 #include <tombolo/contact/mortar_contact.h>
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/formulations/failure/bonds.h>
@@ -21,6 +23,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -29,20 +32,7 @@ namespace tombolo
 {
   inline std::string megabytes(const double bytes)
   {
-    std::ostringstream text;
-    text.precision(3);
-    text << bytes / 1e6 << " MB";
-    return text.str();
-  }
-
-  template <int dim>
-  std::string text_of_extent(const Model<dim> &model)
-  {
-    const Extent<dim> extent = extent_of<dim>(model.state.initial_position);
-    std::ostringstream text;
-    for (unsigned int d = 0; d < dim; ++d)
-      text << (d > 0 ? " x " : "") << "[" << extent.lowest[d] << ", " << extent.highest[d] << "]";
-    return text.str();
+    return as_text(std::setprecision(3), bytes / 1e6, " MB");
   }
 
   /** The wall time of a step [s], estimated from one evaluation that changes no state. */
@@ -73,9 +63,7 @@ namespace tombolo
     {
       const auto start = std::chrono::steady_clock::now();
       act();
-      seconds = Utilities::MPI::max(
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
-          model.communicator);
+      seconds = Utilities::MPI::max(seconds_since(start), model.communicator);
     }
     return seconds;
   }
@@ -86,8 +74,7 @@ namespace tombolo
       return;
     text << " (limit " << limit.time_step << " " << by << "from the " << limit.entity;
     if (limit.entity != "spectrum")
-      text << " at (" << limit.position[0] << ", " << limit.position[1] << ", " << limit.position[2]
-           << ")";
+      text << " at " << position_text(limit.position);
     text << ")";
   }
 
@@ -156,7 +143,11 @@ namespace tombolo
     text << "  ";
     if (model.has_mechanics)
       text << "mass " << Utilities::MPI::sum(mass, model.communicator) << ", ";
-    text << "extent " << text_of_extent(model) << "\n";
+    const Extent<dim> extent = extent_of<dim>(model.state.initial_position);
+    text << "extent ";
+    for (unsigned int d = 0; d < dim; ++d)
+      text << (d > 0 ? " x " : "") << "[" << extent.lowest[d] << ", " << extent.highest[d] << "]";
+    text << "\n";
   }
 
   /** How stiff the springs of contacts are against the bodies. Collective. */

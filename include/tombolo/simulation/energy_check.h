@@ -43,17 +43,16 @@ namespace tombolo
     constexpr double largest_share = 0.866;
     const double step = std::max(clock.previous_step, clock.next_step);
     const double share = step / spectral_limit(model);
-    std::ostringstream text;
-    text.precision(3);
-    text << "The step " << step << " is " << share << " of the limit of the spectral estimate";
+    const std::string text = as_text(std::setprecision(3), "The step ", step, " is ", share,
+                                     " of the limit of the spectral estimate");
     if (!(share <= largest_share))
-      return "The motion is not stable: " + cure + " " + text.str() + ".";
+      return "The motion is not stable: " + cure + " " + text + ".";
     // What sets in at once, such as a drive, is booked by the first steps to their size.
     constexpr unsigned int few_steps = 50;
     if (clock.step < few_steps)
-      return text.str() + ", at which motions are stable, but the run has had few of them: " + cure;
-    return text.str() + ", at which motions are stable: a smaller one hardly helps. Another "
-                        "formulation may help.";
+      return text + ", at which motions are stable, but the run has had few of them: " + cure;
+    return text + ", at which motions are stable: a smaller one hardly helps. Another "
+                  "formulation may help.";
   }
 
   /** The accounts that make up the balance, the largest first: those below a hundredth of it are
@@ -74,11 +73,9 @@ namespace tombolo
   }
 
   /** The remedy for the balance of static steps. */
-  inline std::string judgement_at_rest()
-  {
-    return "Works are those of forces that change linearly over a step; where they do not, a "
-           "smaller `Statics/Largest step` makes the error smaller.";
-  }
+  constexpr const char *judgement_at_rest =
+      "Works are those of forces that change linearly over a step; where they do not, a smaller "
+      "`Statics/Largest step` makes the error smaller.";
 
   /** Whether the energy balance is off by more than @p limit of the largest energy put in (zero: no
    * limit) and by more than the round-off of the energies, or of the smallest numbers. That of a
@@ -125,7 +122,7 @@ namespace tombolo
                 ", step ", clock.step, ": a total energy of ", balance.total, ", where ", put_in,
                 " was put in (error ", balance.error, ", allowed ", limit, "). ",
                 (!reason.empty()             ? reason
-                 : step_size.largest() == 0. ? judgement_at_rest()
+                 : step_size.largest() == 0. ? judgement_at_rest
                                              : judgement_of_step(model, balance, clock, step_size)),
                 " `Largest energy error` is the limit. The largest energies: ",
                 largest_accounts(balance.energies), "."));

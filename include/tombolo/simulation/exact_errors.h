@@ -59,28 +59,17 @@ namespace tombolo
         std::vector<const Formulation<dim> *> formulations;
         for (const Part<dim> &part : model.parts)
           formulations.push_back(part.formulation.get());
-        const ExactSolutionErrors mechanical =
+        static_cast<ExactSolutionErrors &>(errors) =
             exact->errors(formulations, model.state.initial_position, model.state.velocity,
                           model.state.mass, clock.time, clock.velocity_time());
-        errors.axial_stress = mechanical.axial_stress;
-        errors.stress = mechanical.stress;
-        errors.velocity = mechanical.velocity;
       }
       if (exact->has_temperature())
         errors.temperature = exact->temperature_error(model.state.initial_position,
                                                       model.heat->state.present_temperature,
                                                       model.heat->bridge.mass(), clock.time);
       output_errors.push_back(errors);
-
-      if (exact->has_stress())
-      {
-        statistics.add("relative error of stress xx", "1", errors.axial_stress);
-        statistics.add("relative error of stress", "1", errors.stress);
-      }
-      if (exact->has_velocity())
-        statistics.add("relative error of velocity", "1", errors.velocity);
-      if (exact->has_temperature())
-        statistics.add("relative error of temperature", "1", errors.temperature);
+      for_names(errors, [&](const std::string &name, const std::string &, const double error)
+                { statistics.add("relative error of " + name, "1", error); });
     }
 
     /** The errors of the last evaluate() for the screen; empty at the start, where they are those
@@ -123,15 +112,8 @@ namespace tombolo
       {
         Json entry = Json::object();
         entry["time"] = errors.time;
-        if (exact->has_stress())
-        {
-          entry["stress_xx"] = errors.axial_stress;
-          entry["stress"] = errors.stress;
-        }
-        if (exact->has_velocity())
-          entry["velocity"] = errors.velocity;
-        if (exact->has_temperature())
-          entry["temperature"] = errors.temperature;
+        for_names(errors, [&](const std::string &, const std::string &key, const double error)
+                  { entry[key] = error; });
         list.push_back(entry);
       }
       results["errors"] = list;
@@ -141,14 +123,26 @@ namespace tombolo
     Records records;
 
   private:
-    struct Errors
+    struct Errors : ExactSolutionErrors
     {
       double time = 0;
-      double axial_stress = 0;
-      double stress = 0;
-      double velocity = 0;
       double temperature = 0;
     };
+
+    /** Calls @p use(name, key, error) for each of those that the case has. */
+    template <typename Use>
+    void for_names(const Errors &errors, const Use &use) const
+    {
+      if (exact->has_stress())
+      {
+        use("stress xx", "stress_xx", errors.axial_stress);
+        use("stress", "stress", errors.stress);
+      }
+      if (exact->has_velocity())
+        use("velocity", "velocity", errors.velocity);
+      if (exact->has_temperature())
+        use("temperature", "temperature", errors.temperature);
+    }
 
     std::unique_ptr<ExactSolution<dim>> exact;
     std::vector<Errors> output_errors;

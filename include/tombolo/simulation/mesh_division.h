@@ -130,12 +130,6 @@ namespace tombolo
     return [&header](DividedMesh<dim> &mesh) { divide(mesh, header.divisions); };
   }
 
-  /** Whether both runs have the same mesh. */
-  inline bool have_same_mesh(const CheckpointHeader &one, const CheckpointHeader &other)
-  {
-    return one.divisions == other.divisions;
-  }
-
   /** Rebuilds the model on the mesh of @p header, and adds to this the cells that are divided for
    * their neighbours. Collective. */
   template <int dim>

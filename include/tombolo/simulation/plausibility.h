@@ -147,7 +147,8 @@ namespace tombolo
     void check_drift(const EnergyBalance &balance, const double time)
     {
       constexpr double largest_drift = 0.01;
-      if (!is_zero(balance.impulse) || !is_zero(balance.angular_impulse) ||
+      constexpr std::array<double, 3> zero{};
+      if (balance.impulse != zero || balance.angular_impulse != zero ||
           !(balance.angular_momentum_drift > std::max(largest_drift, angular_momentum.value)))
         return;
       angular_momentum = {
@@ -178,16 +179,7 @@ namespace tombolo
                                        const std::function<std::string()> &text)
     {
       const bool is_here = Utilities::MPI::max(value, communicator) == value;
-      for (const std::string &rank_text : texts_of_ranks(communicator, is_here ? text() : ""))
-        if (!rank_text.empty())
-          return rank_text;
-      return "";
-    }
-
-    static bool is_zero(const std::array<double, 3> &vector)
-    {
-      return std::all_of(vector.begin(), vector.end(),
-                         [](const double component) { return component == 0.; });
+      return first_text(communicator, is_here ? text() : "");
     }
 
     Worst melt, lattice_mode, angular_momentum, energy_error;

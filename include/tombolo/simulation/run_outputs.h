@@ -88,7 +88,8 @@ namespace tombolo
       for (const auto &output : outputs)
       {
         output->write(view_at(clock), statistics);
-        print_report(*output, log);
+        if (const std::string report = output->report(); !report.empty())
+          log.print(report);
       }
     }
 
@@ -101,18 +102,12 @@ namespace tombolo
       for (const auto &output : outputs)
       {
         output->finish(results);
-        print_report(*output, log);
+        if (const std::string report = output->report(); !report.empty())
+          log.print(report);
       }
     }
 
   private:
-    static void print_report(const Output<dim> &output, Log &log)
-    {
-      const std::string report = output.report();
-      if (!report.empty())
-        log.print(report);
-    }
-
     const OutputView<dim> &view_at(const Clock &clock)
     {
       view.time = clock.time;

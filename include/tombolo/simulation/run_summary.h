@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/json.h>
+#include <tombolo/base/stopwatch.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/summary.h>
 #include <tombolo/output/time_table.h>
@@ -9,20 +10,64 @@
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/step_size.h>
-#include <tombolo/simulation/run_times.h>
 #include <tombolo/state/node_partition.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <nlohmann/json.hpp>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <string>
 
 namespace tombolo
 {
+  /** Processor time of this process since its start, of its own and of the system for it [s]. */
+  inline double processor_seconds()
+  {
+    rusage usage = {};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+           1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+  }
+
+  /** A moment of a run, by both clocks. */
+  struct Moment
+  {
+    std::chrono::steady_clock::time_point wall = std::chrono::steady_clock::now();
+    double processor = processor_seconds();
+  };
+
+  /** What a part of a run takes on this rank [s]. */
+  struct Duration
+  {
+    double wall = 0, processor = 0;
+
+    void add_since(const Moment &start)
+    {
+      wall += seconds_since(start.wall);
+      processor += processor_seconds() - start.processor;
+    }
+  };
+
+  /** Times of a run, of this rank. */
+  struct RunTimes
+  {
+    Duration loop;   ///< steps and what is written between them
+    Duration output; ///< what is written
+
+    Duration step_duration() const
+    {
+      return {loop.wall - output.wall, loop.processor - output.processor};
+    }
+
+    double before_resumption = 0; ///< wall time [s]
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  };
+
   /**
    * How the ranks have shared @p steps steps, for the summary. The exchanges of nodal values are
    * those counted by @p partition, and @p seconds the wall time of the same steps on this rank.

@@ -2,7 +2,6 @@
 // ranks: 1 2
 // Every dataset of a checkpoint is guarded, and rows reach their nodes on whatever rank has them.
 
-#include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/simulation.h>
 #include <tombolo/state/state_archive.h>
 

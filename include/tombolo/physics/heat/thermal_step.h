@@ -182,8 +182,7 @@ namespace tombolo
       smallest = std::min(smallest, step);
       largest = std::max(largest, step);
       check(model);
-      seconds_spent +=
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      seconds_spent += seconds_since(begin);
       return step;
     }
 
