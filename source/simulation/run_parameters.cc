@@ -34,7 +34,7 @@ namespace tombolo
     e.text("Output directory", "output", "",
            "Where the run leaves its results; made if it does not exist.");
     declare<UnitLabels>(e);
-    StaticSteps<dim>::declare_parameters(e);
+    declare<typename StaticSteps<dim>::Settings>(e);
     InitialState<dim>::declare_parameters(e);
     e.text(
         "Stages", "", "",
@@ -73,7 +73,7 @@ namespace tombolo
               parameters.fail("Time integration",
                               "the scene has no mechanics, since its materials have no stresses; "
                               "allowed is `explicit`.");
-            StaticSteps<dim>::validate(parameters);
+            typename StaticSteps<dim>::Settings settings(parameters.section(""));
           });
     else if (physics.has_mechanics)
       parameters.attempt([&] { StepSize<dim> step_size(parameters.section("Time step")); });

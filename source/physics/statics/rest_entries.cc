@@ -4,7 +4,7 @@
 #include <tombolo/contact/contact_settings.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/process.h>
-#include <tombolo/physics/statics/static_problem.h>
+#include <tombolo/physics/statics/static_steps.h>
 
 namespace tombolo
 {
@@ -14,13 +14,14 @@ namespace tombolo
     {
       return parameters.raw("Time integration", "explicit");
     }
-  } // namespace
 
-  template <int dim>
-  bool has_bodies_at_rest(const Parameters &parameters)
-  {
-    return Registry<StaticSolver<dim>>::instance().has(integration_of(parameters));
-  }
+    /** Whether the steps of the scene are those of bodies at rest (`Time integration`). */
+    template <int dim>
+    bool has_bodies_at_rest(const Parameters &parameters)
+    {
+      return Registry<StaticSolver<dim>>::instance().has(integration_of(parameters));
+    }
+  } // namespace
 
   template <int dim>
   void refuse_at_rest(const Section &section, const std::string &entry, const std::string &reason,
@@ -45,8 +46,6 @@ namespace tombolo
     }
   }
 
-  template bool has_bodies_at_rest<2>(const Parameters &);
-  template bool has_bodies_at_rest<3>(const Parameters &);
   template void refuse_at_rest<2>(const Section &, const std::string &, const std::string &,
                                   const std::string &);
   template void refuse_at_rest<3>(const Section &, const std::string &, const std::string &,
@@ -113,8 +112,22 @@ namespace tombolo
               });
       }
     };
+
+    /** No process of its own: refuses what static steps do not support, before there is a mesh. */
+    template <int dim>
+    class StaticStepsKind : public ProcessKind<dim>
+    {
+    public:
+      void validate(const Parameters &parameters,
+                    const std::vector<Part<dim>> &parts) const override
+      {
+        if (has_bodies_at_rest<dim>(parameters))
+          StaticSteps<dim>::refuse_unfit(parameters, parts);
+      }
+    };
   } // namespace
 
+  TOMBOLO_REGISTER_PROCESS_KIND(StaticStepsKind, process_order::prescribed_motion)
   TOMBOLO_REGISTER_PROCESS_KIND(TimesAtRest, process_order::prescribed_motion)
   TOMBOLO_REGISTER_PROCESS_KIND(ContactsAtRest, process_order::contact)
 } // namespace tombolo

@@ -76,8 +76,7 @@ namespace tombolo
     template <int dim>
     Tensor<1, dim> axis_at(const Model<dim> &model, const unsigned int node, const unsigned int d)
     {
-      Tensor<1, dim> result;
-      result[d] = 1.;
+      Tensor<1, dim> result = Point<dim>::unit_vector(d);
       if (const ObliqueNode *const oblique = model.conditions->oblique_nodes().find(node))
         for (unsigned int e = 0; e < dim; ++e)
           result[e] = oblique->axes[d][e];
@@ -214,12 +213,6 @@ namespace tombolo
       std::copy_n(model.state.position.node(i), dim, position.begin());
       return position;
     };
-    const auto along = [](const unsigned int d)
-    {
-      Tensor<1, dim> direction;
-      direction[d] = 1.;
-      return direction;
-    };
 
     std::vector<Hold<dim>> by_conditions, by_partners, by_surfaces;
     for (unsigned int i = 0; i < partition.n_owned(); ++i)
@@ -245,7 +238,7 @@ namespace tombolo
                                                  : far.at(entry.node));
       std::vector<Tensor<1, dim>> directions{contact.direction};
       for (unsigned int d = 0; contact.is_tied && d < dim; ++d)
-        directions.push_back(along(d));
+        directions.push_back(Point<dim>::unit_vector(d));
       for (const types::global_dof_index other : touched)
       {
         pairs.push_back({{body, other}});

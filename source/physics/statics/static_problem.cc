@@ -2,16 +2,15 @@
 #include <tombolo/physics/statics/static_problem.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/on_ranks.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <array>
 #include <cmath>
-#include <sstream>
-#include <tuple>
 
 namespace tombolo
 {
@@ -230,10 +229,7 @@ namespace tombolo
     }
     if (failure.empty() && !std::isfinite(sum))
       failure = "a force is not finite.";
-    failure_text.clear();
-    for (const std::string &rank_failure : texts_of_ranks(model.communicator, failure))
-      if (failure_text.empty())
-        failure_text = rank_failure;
+    failure_text = first_text(model.communicator, failure);
     return failure_text.empty();
   }
 
@@ -282,18 +278,14 @@ namespace tombolo
         node = i;
       }
     }
-    std::ostringstream text;
+    std::string text;
     if (largest >= 0.)
-    {
-      const double *const x = model.state.position.node(node);
-      text << "node " << model.nodes->persistent_ids()[std::size_t(node)] << " at (" << x[0];
-      for (unsigned int d = 1; d < dim; ++d)
-        text << ", " << x[d];
-      text << ") with " << largest;
-    }
+      text = as_text("node ", model.nodes->persistent_ids()[node], " at ",
+                     position_text(vector_of<dim>(model.state.position.node(node))), " with ",
+                     largest);
     const auto rank_maxima = from_all_ranks(std::vector<double>{largest}, model.communicator);
     const auto first_largest = std::max_element(rank_maxima.begin(), rank_maxima.end());
-    return texts_of_ranks(model.communicator, text.str())[first_largest - rank_maxima.begin()];
+    return texts_of_ranks(model.communicator, text)[first_largest - rank_maxima.begin()];
   }
 
   template <int dim>

@@ -9,12 +9,9 @@
 
 namespace tombolo
 {
-  /** Whether the steps of the scene are those of bodies at rest (`Time integration`). */
-  template <int dim>
-  bool has_bodies_at_rest(const Parameters &parameters);
-
-  /** Throws the InputError that an entry is not allowed at rest, in scenes of such steps: @p reason
-   * is the first half of a sentence, "it resists velocities", and @p allowed the end of it. */
+  /** Throws the InputError that an entry is not allowed where steps are those of bodies at rest
+   * (`Time integration`): @p reason is the first half of a sentence, "it resists velocities", and
+   * @p allowed the end of it. */
   template <int dim>
   void refuse_at_rest(const Section &section, const std::string &entry, const std::string &reason,
                       const std::string &allowed);

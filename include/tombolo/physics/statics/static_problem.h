@@ -19,6 +19,7 @@
 #include <memory>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -40,7 +41,7 @@ namespace tombolo
       struct Frame
       {
         dealii::types::global_dof_index node;
-        std::array<double, dim * dim> axes;
+        dealii::Tensor<2, dim> axes;
       };
       std::vector<Frame> rank_frames;
       for (const ObliqueNode &oblique : model.conditions->oblique_nodes().all())
@@ -49,12 +50,10 @@ namespace tombolo
         frame.node = model.state.partition()->global_index(oblique.node);
         for (unsigned int k = 0; k < dim; ++k)
           for (unsigned int d = 0; d < dim; ++d)
-            frame.axes[k * dim + d] = oblique.axes[k][d];
+            frame.axes[k][d] = oblique.axes[k][d];
       }
       for (const auto &[node, axes] : from_all_ranks(rank_frames, model.communicator))
-        for (unsigned int k = 0; k < dim; ++k)
-          for (unsigned int d = 0; d < dim; ++d)
-            frames[node][k][d] = axes[k * dim + d];
+        frames[node] = axes;
     }
 
     bool is_empty() const
@@ -162,6 +161,63 @@ namespace tombolo
     }
 
     std::unordered_map<dealii::types::global_dof_index, dealii::Tensor<2, dim>> frames;
+  };
+
+  /**
+   * The nodes of an equation, and a matrix of it, by nodes that move: the motion of an image in
+   * planes of symmetry is the reflected motion of its source, u_I' = R u_I, and a force on it is
+   * one on its source. So with the rows R of all nodes the matrix is Pᵀ K P.
+   */
+  struct EquationsOfSources
+  {
+    /** The local @p nodes with images replaced by their sources. */
+    static std::vector<unsigned int> sources_of(const NodePartition &partition,
+                                                const std::vector<unsigned int> &nodes)
+    {
+      std::vector<unsigned int> result = nodes;
+      for (unsigned int &node : result)
+        if (const NodePartition::Reflected *const of = image(partition, node))
+          node = of->source;
+      return result;
+    }
+
+    /** The source of an image; null for other nodes. */
+    static const NodePartition::Reflected *image(const NodePartition &partition,
+                                                 const unsigned int node)
+    {
+      const unsigned int n_nodes = partition.n_owned() + partition.n_ghosts();
+      return node < n_nodes ? nullptr : &partition.images()[node - n_nodes];
+    }
+
+    /** @p n_components rows and columns of @p all_entries for each of the local nodes. */
+    EquationsOfSources(const NodePartition &partition,
+                       const std::vector<unsigned int> &nodes_and_images,
+                       const std::vector<double> &all_entries, const unsigned int n_components)
+    {
+      const std::vector<unsigned int> sources = sources_of(partition, nodes_and_images);
+      nodes = sources;
+      std::sort(nodes.begin(), nodes.end());
+      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+      // For each row: the row of its source, and the sign of the reflection.
+      std::vector<std::pair<std::size_t, double>> rows;
+      for (std::size_t k = 0; k < sources.size(); ++k)
+      {
+        const NodePartition::Reflected *const of = image(partition, nodes_and_images[k]);
+        const auto first = static_cast<std::size_t>(
+            std::lower_bound(nodes.begin(), nodes.end(), sources[k]) - nodes.begin());
+        for (unsigned int d = 0; d < n_components; ++d)
+          rows.emplace_back(first * n_components + d, of == nullptr ? 1. : of->reflection.sign[d]);
+      }
+      const std::size_t n_rows = nodes.size() * n_components;
+      matrix.assign(n_rows * n_rows, 0.);
+      for (std::size_t a = 0; a < rows.size(); ++a)
+        for (std::size_t b = 0; b < rows.size(); ++b)
+          matrix[rows[a].first * n_rows + rows[b].first] +=
+              rows[a].second * rows[b].second * all_entries[a * rows.size() + b];
+    }
+
+    std::vector<unsigned int> nodes; ///< local numbers, without images, each once
+    std::vector<double> matrix;      ///< by rows
   };
 
   /** A step of a body at rest, from one time to the next. */
@@ -289,11 +345,6 @@ namespace tombolo
     std::function<bool()> must_stop;
 
     Model<dim> &model;
-    const StaticInterval &interval() const
-    {
-      return present;
-    }
-
     /** How the forces of processes in the last evaluation change with positions: @p springs, and
      * in @p bound a diagonal matrix at owned nodes. Collective. */
     void linearize_processes(std::vector<ContactStiffness<dim>> &springs, NodalVector &bound)

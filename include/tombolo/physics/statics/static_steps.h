@@ -34,54 +34,54 @@ namespace tombolo
   class StaticSteps
   {
   public:
-    /** Declares `Time integration` and the section "Statics". */
-    static void declare_parameters(const Entries &run_entries)
+    /** `Time integration` and the section "Statics". */
+    struct Settings
     {
-      run_entries.choice(
-          integration_entry, explicit_steps,
-          std::string(explicit_steps) + "|" + Registry<StaticSolver<dim>>::instance().selection(),
-          "How the mechanics goes through time: `explicit` follows the motion by stable steps; the "
-          "others find the equilibrium of a body at rest at the end of each step.");
-      const Entries e = run_entries.subsection(statics_section);
-      e.number(
-          "Largest step", "0", at_least(0.), "T",
-          "The largest step, and the first one; 0 is a twentieth of the run. Outputs are met by "
-          "equal steps.");
-      e.number(
-          "Smallest step", "0", at_least(0.), "T",
-          "A step that does not converge is halved, down to this one; 0 is a thousandth of the "
-          "largest.");
-      e.number(
-          "Tolerance", "1e-08", between(1e-14, 0.1), "1",
-          "A step has converged where the norm of the forces that are not in equilibrium is at "
-          "most this fraction of the norm of the forces of cells, the largest of the run.");
-      e.number(
-          "Contact stiffness", "100", between(1e-3, 1e6), "1",
-          "By how much the springs of contacts are stiffer than their entry `Stiffness` makes them "
-          "in explicit steps at the step of eq. (41), which limits them there and not here. Bodies "
-          "go into each other by less where it is larger, and the equations become harder to "
-          "solve.");
-      e.plugins<StaticSolver<dim>>();
-    }
+      /** Throws InputError. */
+      explicit Settings(const Entries &run_entries)
+      {
+        name = run_entries.choice(
+            integration_entry, explicit_steps,
+            std::string(explicit_steps) + "|" + Registry<StaticSolver<dim>>::instance().selection(),
+            "How the mechanics goes through time: `explicit` follows the motion by stable steps; "
+            "the others find the equilibrium of a body at rest at the end of each step.");
+        const Entries e = run_entries.subsection(statics_section);
+        if (!e.declares())
+          solver =
+              Registry<StaticSolver<dim>>::instance().create(name, e.section().subsection(name));
+        largest_step = e.number(
+            "Largest step", "0", at_least(0.), "T",
+            "The largest step, and the first one; 0 is a twentieth of the run. Outputs are met by "
+            "equal steps.");
+        smallest_step = e.number(
+            "Smallest step", "0", at_least(0.), "T",
+            "A step that does not converge is halved, down to this one; 0 is a thousandth of the "
+            "largest.");
+        tolerance = e.number(
+            "Tolerance", "1e-08", between(1e-14, 0.1), "1",
+            "A step has converged where the norm of the forces that are not in equilibrium is at "
+            "most this fraction of the norm of the forces of cells, the largest of the run.");
+        contact_stiffness = e.number(
+            "Contact stiffness", "100", between(1e-3, 1e6), "1",
+            "By how much the springs of contacts are stiffer than their entry `Stiffness` makes "
+            "them in explicit steps at the step of eq. (41), which limits them there and not here. "
+            "Bodies go into each other by less where it is larger, and the equations become harder "
+            "to solve.");
+        e.refuse(smallest_step > 0. && largest_step > 0. && smallest_step > largest_step,
+                 "Smallest step", "allowed is a step that is not larger than `Largest step`.");
+        e.plugins<StaticSolver<dim>>();
+      }
+
+      std::string name;
+      std::unique_ptr<StaticSolver<dim>> solver;
+      double largest_step, smallest_step; ///< [T]; zero: by default
+      double tolerance, contact_stiffness;
+    };
 
     /** Whether the scene has such steps. */
     static bool are_chosen(const Parameters &parameters)
     {
       return parameters.section("").get(integration_entry) != explicit_steps;
-    }
-
-    /** Refuses errors that need no mesh. Throws InputError. */
-    static void validate(const Parameters &parameters)
-    {
-      const std::string name = parameters.section("").get(integration_entry);
-      const Section section = parameters.section(statics_section);
-      Registry<StaticSolver<dim>>::instance().create(name, section.subsection(name));
-      const double largest = section.get_double("Largest step");
-      const double smallest = section.get_double("Smallest step");
-      section.get_double("Tolerance");
-      section.get_double("Contact stiffness");
-      if (smallest > 0. && largest > 0. && smallest > largest)
-        section.fail("Smallest step", "allowed is a step that is not larger than `Largest step`.");
     }
 
     /** Refuses parts, contacts and a bridge that static steps do not support. Throws InputError. */
@@ -121,20 +121,14 @@ namespace tombolo
     /** For an initial model. Throws InputError where static steps do not support a feature of it,
      * or where nothing holds a body. Collective. */
     StaticSteps(const Parameters &parameters, Model<dim> &model, Log &log)
-        : model(model), log(log), name(parameters.section("").get(integration_entry)),
-          tolerance(parameters.section(statics_section).get_double("Tolerance")),
-          solver(Registry<StaticSolver<dim>>::instance().create(
-              name, parameters.section(statics_section).subsection(name))),
-          problem(model, parameters.section(statics_section).get_double("Contact stiffness"))
+        : model(model), log(log), settings(parameters.section("")),
+          problem(model, settings.contact_stiffness)
     {
-      const Section section = parameters.section(statics_section);
-      largest_step = section.get_double("Largest step");
-      if (largest_step == 0.)
-        largest_step = parameters.section("").get_positive("End time") / 20.;
-      smallest_step = section.get_double("Smallest step");
-      if (smallest_step == 0.)
-        smallest_step = 1e-3 * largest_step;
-      step = largest_step;
+      if (settings.largest_step == 0.)
+        settings.largest_step = parameters.section("").get_positive("End time") / 20.;
+      if (settings.smallest_step == 0.)
+        settings.smallest_step = 1e-3 * settings.largest_step;
+      step = settings.largest_step;
       refuse_unfit_model(parameters);
       last_position = model.state.position.copy();
       if (model.heat)
@@ -155,7 +149,7 @@ namespace tombolo
       last_position.copy_from(model.state.position);
       if (clock.step == 0 && model.heat)
         last_temperature.copy_from(model.heat->state.present_temperature);
-      const double length = clock.step == 0 ? largest_step : clock.previous_step;
+      const double length = clock.step == 0 ? settings.largest_step : clock.previous_step;
       if (!solve_interval(clock, clock.time - length, clock.time))
         return false;
       if (model.heat)
@@ -209,12 +203,12 @@ namespace tombolo
     void add_to_summary(Json &summary) const
     {
       Json result = Json::object();
-      result["method"] = name;
+      result["method"] = settings.name;
       result["force_evaluations"] =
-          static_cast<double>(problem.n_evaluations()) + solver->further_evaluations();
+          static_cast<double>(problem.n_evaluations()) + settings.solver->further_evaluations();
       result["force_evaluations_without_matrices"] = problem.n_evaluations();
       result["divided_steps"] = n_divisions;
-      solver->add_to_summary(result);
+      settings.solver->add_to_summary(result);
       summary["statics"] = result;
       summary["time_step_min"] = shortest;
       summary["time_step_max"] = longest;
@@ -225,7 +219,7 @@ namespace tombolo
     /** For the audit: how many steps at least. */
     double n_steps(const double end_time) const
     {
-      return std::ceil(end_time / largest_step);
+      return std::ceil(end_time / settings.largest_step);
     }
 
     /** Lists the state from step to step. */
@@ -315,7 +309,7 @@ namespace tombolo
         interval.temperature =
             temperature_at(is_last ? 1. : (interval.end - begin) / (end - begin));
         problem.begin(interval);
-        last = solver->solve(problem, tolerance);
+        last = settings.solver->solve(problem, settings.tolerance);
         log.record("  statics, step " + std::to_string(clock.step) +
                    " to t = " + format_number(interval.end) + ": " + last.report);
         if (last.has_converged)
@@ -323,7 +317,7 @@ namespace tombolo
           unresolved += problem.unresolved_work();
           problem.commit();
           done = interval.end;
-          was_easy = was_easy && solver->was_easy(last);
+          was_easy = was_easy && settings.solver->was_easy(last);
           if (!is_last)
             book_part(clock);
           continue;
@@ -333,7 +327,7 @@ namespace tombolo
         if (last.was_stopped)
           return false;
         // A body at the start has no smaller step.
-        if (is_start || 0.5 * size < smallest_step)
+        if (is_start || 0.5 * size < settings.smallest_step)
           give_up(interval, last, worst_node);
         size *= 0.5;
         was_divided = true;
@@ -347,7 +341,7 @@ namespace tombolo
         step = size;
       else if (n_easy_steps == enough)
       {
-        step = std::min(2. * step, largest_step);
+        step = std::min(2. * step, settings.largest_step);
         n_easy_steps = 0;
       }
       return true;
@@ -411,10 +405,11 @@ namespace tombolo
                               const std::string &worst_node) const
     {
       throw RunError(as_text(
-          "The ", name, " step ", interval.step, " from time ", interval.begin, " to ",
+          "The ", settings.name, " step ", interval.step, " from time ", interval.begin, " to ",
           interval.end, " did not converge: the forces that are not in equilibrium ", "are still ",
-          solution.residual, " of the scale of forces (allowed ", tolerance, "), the largest at ",
-          worst_node, ". By iteration: ", solution.report, ". The state of time ", interval.begin,
+          solution.residual, " of the scale of forces (allowed ", settings.tolerance,
+          "), the largest at ", worst_node, ". By iteration: ", solution.report,
+          ". The state of time ", interval.begin,
           " is the last one in equilibrium, and outputs up to it are complete. ", solution.advice,
           (solution.advice.empty() ? "" : " "),
           (interval.is_start
@@ -427,9 +422,7 @@ namespace tombolo
 
     Model<dim> &model;
     Log &log;
-    std::string name;
-    double largest_step, smallest_step, tolerance;
-    std::unique_ptr<StaticSolver<dim>> solver;
+    Settings settings;
     StaticProblem<dim> problem;
     double step;                   ///< the last good one
     unsigned int n_easy_steps = 0; ///< one after the other

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/physics/statics/equations_of_sources.h>
 #include <tombolo/physics/statics/rigid_modes.h>
 #include <tombolo/physics/statics/static_problem.h>
 #include <tombolo/state/dependent_nodes.h>
