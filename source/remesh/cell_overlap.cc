@@ -43,13 +43,10 @@ namespace tombolo
       : cells(cells), integrals(cells.size()), covered(cells.size() * n_sub_cells),
         communicator(communicator), n_fields(static_cast<unsigned int>(fields.size()))
   {
-    const auto any = [&](const auto &is_such)
-    {
-      const bool found = std::any_of(cells.begin(), cells.end(), is_such);
-      return Utilities::MPI::max(found ? 1 : 0, communicator) > 0;
-    };
-    has_motion = any([](const RemapCell<dim> &cell) { return cell.has_moved(); });
-    has_cut_cells = any([](const RemapCell<dim> &cell) { return cell.is_cut; });
+    has_motion = any_of_all_ranks(
+        cells, [](const RemapCell<dim> &cell) { return cell.has_moved(); }, communicator);
+    has_cut_cells = any_of_all_ranks(
+        cells, [](const RemapCell<dim> &cell) { return cell.is_cut; }, communicator);
     if (!has_motion)
       return;
     send_cells(fields);

@@ -173,7 +173,18 @@ namespace tombolo
     /** The volume of a simplex over the determinant of its edges. */
     static constexpr double volume_factor = dim == 3 ? -1. / 6. : 1. / 2.;
 
-    explicit SimplexLanes(const typename SubCells<dim>::Corners &corners);
+    explicit SimplexLanes(const typename SubCells<dim>::Corners &corners)
+    {
+      const auto &shares = SimplexPoints<dim>::instance().corner_shares;
+      for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int first = 0; first < 16; first += 8)
+        {
+          EightDoubles sum = corners[0][d] * load_eight(shares[0] + first);
+          for (unsigned int a = 1; a < corners.size(); ++a)
+            sum += corners[a][d] * load_eight(shares[a] + first);
+          store_eight(sum, coordinates[d] + first);
+        }
+    }
 
     double coordinates[dim][16]; ///< of points; those beyond repeat the first
 
@@ -237,18 +248,4 @@ namespace tombolo
         store_eight(volume_factor * edges(group).determinant, volumes + std::size_t(8) * group);
     }
   };
-
-  template <int dim>
-  SimplexLanes<dim>::SimplexLanes(const typename SubCells<dim>::Corners &corners)
-  {
-    const auto &shares = SimplexPoints<dim>::instance().corner_shares;
-    for (unsigned int d = 0; d < dim; ++d)
-      for (unsigned int first = 0; first < 16; first += 8)
-      {
-        EightDoubles sum = corners[0][d] * load_eight(shares[0] + first);
-        for (unsigned int a = 1; a < corners.size(); ++a)
-          sum += corners[a][d] * load_eight(shares[a] + first);
-        store_eight(sum, coordinates[d] + first);
-      }
-  }
 } // namespace tombolo

@@ -232,7 +232,17 @@ namespace tombolo
     }
 
     /** Adds the old simplex with the vertices @p numbers, of eight entries, among @p points. */
-    void add(const Points &points, const std::uint8_t *numbers);
+    void add(const Points &points, const std::uint8_t *const numbers)
+    {
+      if (n_polyhedra == polyhedra.size())
+        polyhedra.emplace_back();
+      Polyhedron &polyhedron = polyhedra[n_polyhedra++];
+      for (unsigned int j = 0; j <= dim; ++j)
+        store_eight(pick_eight(points[j], numbers), polyhedron.in_new[j]);
+      polyhedron.shape = ClippedTetrahedra::tetrahedron;
+      polyhedron.n_vertices = dim + 1;
+      polyhedron.next_plane = dim == 3 ? none : 0;
+    }
 
     /** Cuts away what is outside of the new simplex. */
     void clip();
@@ -273,17 +283,4 @@ namespace tombolo
     std::size_t n_polyhedra = 0;
     std::vector<unsigned int> kept, cut_ones;
   };
-
-  template <int dim>
-  inline void SimplexOverlaps<dim>::add(const Points &points, const std::uint8_t *const numbers)
-  {
-    if (n_polyhedra == polyhedra.size())
-      polyhedra.emplace_back();
-    Polyhedron &polyhedron = polyhedra[n_polyhedra++];
-    for (unsigned int j = 0; j <= dim; ++j)
-      store_eight(pick_eight(points[j], numbers), polyhedron.in_new[j]);
-    polyhedron.shape = ClippedTetrahedra::tetrahedron;
-    polyhedron.n_vertices = dim + 1;
-    polyhedron.next_plane = dim == 3 ? none : 0;
-  }
 } // namespace tombolo

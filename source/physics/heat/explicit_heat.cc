@@ -6,8 +6,6 @@
 #include <tombolo/physics/mechanics/lobpcg.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 
-#include <deal.II/base/mpi.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>

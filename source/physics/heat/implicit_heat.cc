@@ -5,7 +5,6 @@
 #include <tombolo/physics/heat/conduction_matrix.h>
 #include <tombolo/physics/heat/thermal_step.h>
 
-#include <deal.II/base/mpi.h>
 #include <deal.II/lac/la_parallel_vector.h>
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/trilinos_precondition.h>
@@ -15,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 
 namespace tombolo
@@ -134,7 +134,6 @@ namespace tombolo
     }
 
   private:
-    class Operator;
     class Preconditioner;
     class StepEquation;
 
@@ -162,7 +161,19 @@ namespace tombolo
         preconditioner = std::make_unique<Preconditioner>(*this, model, time, factor);
         iterations_when_built = 0;
       }
-      const Operator matrix(*this, model, time, factor);
+      struct Operator
+      {
+        std::function<void(Vector &, const Vector &)> vmult;
+      };
+      const Operator matrix{
+          [&](Vector &result, const Vector &source) // dH/dθ + w Δt Sᵀ K S
+          {
+            to_nodes(source, direction);
+            model.heat->apply_conduction(model.state.position, field, time, direction, image);
+            for (unsigned int i = 0; i < source.locally_owned_size(); ++i)
+              result.local_element(i) =
+                  *capacity.node(i) * source.local_element(i) + factor * *image.node(i);
+          }};
       SolverControl control(2000, target);
       SolverCG<Vector> solver(control);
       solution = 0.;
@@ -256,31 +267,6 @@ namespace tombolo
   {
   public:
     explicit CrankNicolsonHeat(const Entries &e) : ImplicitHeat<dim>(e, 0.5) {}
-  };
-
-  /** dH/dθ + w Δt Sᵀ K S. */
-  template <int dim>
-  class ImplicitHeat<dim>::Operator
-  {
-  public:
-    Operator(ImplicitHeat &owner, const Model<dim> &model, const double time, const double factor)
-        : owner(owner), model(model), time(time), factor(factor)
-    {}
-
-    void vmult(Vector &result, const Vector &source) const
-    {
-      to_nodes(source, owner.direction);
-      model.heat->apply_conduction(model.state.position, owner.field, time, owner.direction,
-                                   owner.image);
-      for (unsigned int i = 0; i < source.locally_owned_size(); ++i)
-        result.local_element(i) =
-            *owner.capacity.node(i) * source.local_element(i) + factor * *owner.image.node(i);
-    }
-
-  private:
-    ImplicitHeat &owner;
-    const Model<dim> &model;
-    double time, factor;
   };
 
   template <int dim>

@@ -12,10 +12,6 @@ namespace tombolo
   {
     constexpr double rounding = 1e-12;
 
-    /** Of an angle, a spin or a moment. */
-    template <int dim>
-    constexpr unsigned int n_rotations = dim == 3 ? 3 : 1;
-
     template <int dim>
     Tensor<1, 3> read_spatial_vector(const Section &section, const std::string &entry)
     {
@@ -39,17 +35,6 @@ namespace tombolo
                n_components == 1 ? "allowed is a function of t alone."
                                  : "allowed are functions of t alone.");
       return function;
-    }
-
-    /** Zero where there is no function; a single component is that along z. */
-    template <int dim>
-    Tensor<1, 3> vector_at(const std::optional<Expression<dim>> &function, const double time,
-                           const unsigned int n_components)
-    {
-      Tensor<1, 3> result;
-      for (unsigned int d = 0; d < n_components && function; ++d)
-        result[n_components == 1 ? 2 : d] = function->value(Point<dim>(), time, d);
-      return result;
     }
 
     constexpr const char *zero_at_start =
@@ -113,7 +98,7 @@ namespace tombolo
         dim == 3 ? "A moment about the reference point: components separated by `;`, functions of "
                    "t; none if empty."
                  : "A moment about the reference point, a function of t; none if empty.",
-        n_rotations<dim>);
+        n_rotations);
     e.refuse(force && !moves_by_forces(), "Force",
              "the motion of the body is given by `Displacement` and `Angle`, so that no force "
              "changes it; leave a component `free`.");
@@ -159,40 +144,6 @@ namespace tombolo
     }
     else
       initial_spin = section.get_double("Initial spin") * axis;
-  }
-
-  template <int dim>
-  bool RigidBodySettings<dim>::moves_by_forces() const
-  {
-    bool result = rotation != RigidRotation::by_angle;
-    for (unsigned int d = 0; d < dim; ++d)
-      result = result || is_free(d);
-    return result;
-  }
-
-  template <int dim>
-  typename RigidBodySettings<dim>::Vector
-  RigidBodySettings<dim>::displacement_at(const double time) const
-  {
-    return vector_at(displacement, time, dim);
-  }
-
-  template <int dim>
-  double RigidBodySettings<dim>::angle_at(const double time) const
-  {
-    return angle ? angle->value(Point<dim>(), time) : 0.;
-  }
-
-  template <int dim>
-  typename RigidBodySettings<dim>::Vector RigidBodySettings<dim>::force_at(const double time) const
-  {
-    return vector_at(force, time, dim);
-  }
-
-  template <int dim>
-  typename RigidBodySettings<dim>::Vector RigidBodySettings<dim>::moment_at(const double time) const
-  {
-    return vector_at(moment, time, n_rotations<dim>);
   }
 
   template struct RigidBodySettings<2>;

@@ -62,13 +62,31 @@ namespace tombolo
     }
 
     /** Whether forces move the body in any way. */
-    bool moves_by_forces() const;
+    bool moves_by_forces() const
+    {
+      bool result = rotation != RigidRotation::by_angle;
+      for (unsigned int d = 0; d < dim; ++d)
+        result = result || is_free(d);
+      return result;
+    }
 
     /** u(t) of the reference point, zero in free components [L]. */
-    Vector displacement_at(double time) const;
-    double angle_at(double time) const;  ///< [rad]
-    Vector force_at(double time) const;  ///< given, at the reference point [M L/T^2]
-    Vector moment_at(double time) const; ///< given, about the reference point [M L^2/T^2]
+    Vector displacement_at(const double time) const
+    {
+      return vector_at(displacement, time, dim);
+    }
+    double angle_at(const double time) const ///< [rad]
+    {
+      return angle ? angle->value(dealii::Point<dim>(), time) : 0.;
+    }
+    Vector force_at(const double time) const ///< given, at the reference point [M L/T^2]
+    {
+      return vector_at(force, time, dim);
+    }
+    Vector moment_at(const double time) const ///< given, about the reference point [M L^2/T^2]
+    {
+      return vector_at(moment, time, n_rotations);
+    }
 
     std::optional<Vector> origin; ///< none: the centre of mass
     RigidRotation rotation;
@@ -76,7 +94,20 @@ namespace tombolo
     std::optional<Vector> initial_velocity, initial_spin;
 
   private:
+    /** Components of an angle, a spin or a moment. */
+    static constexpr unsigned int n_rotations = dim == 3 ? 3 : 1;
+
     void read_initial_motion(const Entries &e);
+
+    /** Zero where there is no function; a single component is that along z. */
+    static Vector vector_at(const std::optional<Expression<dim>> &function, const double time,
+                            const unsigned int n_components)
+    {
+      Vector result;
+      for (unsigned int d = 0; d < n_components && function; ++d)
+        result[n_components == 1 ? 2 : d] = function->value(dealii::Point<dim>(), time, d);
+      return result;
+    }
 
     std::optional<Expression<dim>> displacement, angle, force, moment;
   };

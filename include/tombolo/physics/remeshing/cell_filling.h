@@ -272,29 +272,27 @@ namespace tombolo
       /** The error where these cells become full or void, in shares; nothing if one must stay. */
       std::optional<double> cost(const Group &group, const bool fills) const
       {
+        if (std::any_of(group.begin(), group.end(),
+                        [&](const unsigned int c)
+                        { return !cells[c].may_change || (fills && !(cells[c].share > 0.)); }))
+          return {};
+        return error(group, fills);
+      }
+
+      double error(const Group &group, const bool fills) const
+      {
         double result = 0;
         for (const unsigned int c : group)
-        {
-          if (!cells[c].may_change || (fills && !(cells[c].share > 0.)))
-            return {};
           result += fills ? 1. - cells[c].share : cells[c].share;
-        }
         return result;
       }
 
       /** All cells of these groups except those of the most expensive one. */
       Group but_the_largest(const std::vector<Group> &all, const bool fills) const
       {
-        const auto size = [&](const Group &group)
-        {
-          double result = 0;
-          for (const unsigned int c : group)
-            result += fills ? 1. - cells[c].share : cells[c].share;
-          return result;
-        };
-        const auto largest =
-            std::max_element(all.begin(), all.end(),
-                             [&](const Group &a, const Group &b) { return size(a) < size(b); });
+        const auto largest = std::max_element(all.begin(), all.end(),
+                                              [&](const Group &a, const Group &b)
+                                              { return error(a, fills) < error(b, fills); });
         Group result;
         for (auto group = all.begin(); group != all.end(); ++group)
           if (group != largest)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/formulations/smoothed/refill_settings.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
@@ -309,8 +310,9 @@ namespace tombolo
         is_unusable.push_back(corners != corners_at<dim>(nodes, before) &&
                               !CellSimplices<dim>::are_positive(corners));
       }
-      const bool any = std::find(is_unusable.begin(), is_unusable.end(), true) != is_unusable.end();
-      if (dealii::Utilities::MPI::max(any ? 1 : 0, before.partition()->communicator()) == 0)
+      if (!any_of_all_ranks(
+              is_unusable, [](const bool is_one) { return is_one; },
+              before.partition()->communicator()))
         return {};
       return CellMarks::nodes_of(before.partition(), local_nodes, is_unusable);
     }
