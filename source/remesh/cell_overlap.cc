@@ -241,8 +241,7 @@ namespace tombolo
         for (unsigned int q = 0; q < n_sub_cells; ++q)
         {
           std::vector<double> &data = messages[rank];
-          Covered covered_part;
-          received[next].find_covered(q, covered_part.volume, covered_part.moment);
+          const Covered covered_part = received[next].covered(q);
           data.push_back(covered_part.volume);
           data.insert(data.end(), &covered_part.moment[0], &covered_part.moment[0] + dim);
         }
@@ -275,8 +274,7 @@ namespace tombolo
     {
       return cells[i / n_sub_cells].nodes;
     };
-    NodalVector receiver_mass, donor_content;
-    receiver_mass.reinit(partition, Quantity::scalar);
+    NodalVector receiver_mass(partition, Quantity::scalar), donor_content;
     for (std::size_t i = 0; i < mass.size(); ++i)
       for (const unsigned int node : nodes(i))
         *receiver_mass.node(node) += receives(i) ? mass[i] : 0.;

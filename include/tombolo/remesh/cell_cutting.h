@@ -179,19 +179,18 @@ namespace tombolo
       values_at_points<dim>(data, n_values / (n_corners * node_stride), values);
     }
 
-    /** ∫ 1 and ∫ x over the part of a sub-cell that cells of after cover. */
-    void find_covered(const unsigned int sub_cell, double &volume,
-                      dealii::Tensor<1, dim> &moment) const
+    /** The part of a sub-cell that cells of after cover. */
+    typename CellOverlap<dim>::Covered covered(const unsigned int sub_cell) const
     {
-      volume = 0;
-      moment = {};
+      typename CellOverlap<dim>::Covered result;
       for (unsigned int s = 0; s < n_simplices; ++s)
         if (SimplexPoints<dim>::instance().sub_cell[s] == sub_cell)
         {
-          volume += common[s][3];
+          result.volume += common[s][3];
           for (unsigned int d = 0; d < dim; ++d)
-            moment[d] += common[s][d] + common[s][3] * centre[d];
+            result.moment[d] += common[s][d] + common[s][3] * centre[d];
         }
+      return result;
     }
 
   private:

@@ -121,10 +121,10 @@ namespace tombolo
                        const double reduction = 0.) const
     {
       constexpr unsigned int most_iterations = 1000;
-      NodalVector residual, preconditioned, direction, product, inverse;
+      NodalVector residual, preconditioned, direction, product,
+          inverse(partition, Quantity::scalar);
       for (NodalVector *const vector : {&residual, &preconditioned, &direction, &product})
         vector->reinit(partition, solution.quantity());
-      inverse.reinit(partition, Quantity::scalar);
       const unsigned int n_owned = partition->n_owned();
       for (unsigned int i = 0; i < n_owned; ++i)
         *inverse.node(i) = *preconditioner.node(i) > 0. ? 1. / *preconditioner.node(i) : 0.;

@@ -143,8 +143,8 @@ namespace tombolo
     CellMatrices<dim> matrices(partition, nodes.size());
     for (std::size_t cell = 0; cell < nodes.size(); ++cell)
       matrices.add_cell(nodes[cell], laplacian_of_cell<dim>(lattice[cell]));
-    NodalVector displacement = difference(position, initial), nothing;
-    nothing.reinit(partition);
+    const NodalVector nothing(partition);
+    NodalVector displacement = difference(position, initial);
     NodalVector preconditioner = matrices.diagonal_of_cells();
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       if (!(*is_free.node(i) > 0.))
@@ -175,13 +175,12 @@ namespace tombolo
   {
     const auto &partition = position.partition();
     // Where the steps lead to: iterations start from there.
-    NodalVector harmonic = initial.copy(), result;
+    NodalVector harmonic = initial.copy(), result(partition);
     constexpr double reduction = 1e-3; // a step leaves as much of the way to where they lead
     place_inner_nodes<dim>(nodes, corners_at<dim>(nodes, position), is_free, position, harmonic,
                            reduction);
     const std::array<NodalVector, dim> deformation =
         deformation_at_nodes<dim>(nodes, lattice, position);
-    result.reinit(partition);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       if (*is_free.node(i) > 0.)
         for (unsigned int a = 0; a < dim; ++a)

@@ -161,12 +161,10 @@ namespace tombolo
     const auto &partition = field.partition();
     const unsigned int n_owned = partition->n_owned();
     CellMatrices<dim> matrices(partition, overlap.cells.size());
-    NodalVector right_side, after;
-    right_side.reinit(partition, field.quantity());
-    after.reinit(partition, Quantity::scalar);
+    NodalVector right_side(partition, field.quantity()), after(partition, Quantity::scalar);
     add_integrals(overlap, number, matrices, right_side, after);
-    NodalVector weight; // of the lumped matrix; zero at nodes of other parts
-    weight.reinit(partition, Quantity::scalar);
+    // Of the lumped matrix; zero at nodes of other parts.
+    NodalVector weight(partition, Quantity::scalar);
     const auto new_mass = [&](const unsigned int i)
     { return *weight.node(i) > 0. ? *mass_after.node(i) : 0.; };
     std::vector<double> sums(2 * node_stride + 1, 0.);

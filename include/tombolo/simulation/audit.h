@@ -40,9 +40,8 @@ namespace tombolo
   double seconds_per_step(const Model<dim> &model)
   {
     const Quantity quantity = model.has_mechanics ? Quantity::vector : Quantity::scalars;
-    NodalVector velocity, force;
-    velocity.reinit(model.state.partition(), quantity);
-    force.reinit(model.state.partition(), quantity);
+    NodalVector velocity(model.state.partition(), quantity),
+        force(model.state.partition(), quantity);
     const auto act = [&]()
     {
       if (!model.has_mechanics)

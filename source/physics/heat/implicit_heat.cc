@@ -22,12 +22,6 @@ namespace tombolo
   namespace
   {
     using Vector = LinearAlgebra::distributed::Vector<double>;
-
-    void to_nodes(const Vector &source, NodalVector &target)
-    {
-      target.fill([&](const unsigned int i, double *const value)
-                  { *value = source.local_element(i); });
-    }
   } // namespace
 
   /**
@@ -168,7 +162,8 @@ namespace tombolo
       const Operator matrix{
           [&](Vector &result, const Vector &source) // dH/dθ + w Δt Sᵀ K S
           {
-            to_nodes(source, direction);
+            direction.fill([&](const unsigned int i, double *const value)
+                           { *value = source.local_element(i); });
             model.heat->apply_conduction(model.state.position, field, time, direction, image);
             for (unsigned int i = 0; i < source.locally_owned_size(); ++i)
               result.local_element(i) =

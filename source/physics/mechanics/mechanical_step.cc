@@ -42,11 +42,8 @@ namespace tombolo
       bridge.add_interpolated_motion(v, a, dt_n, dt, v_hat, x); // (22)-(25), (52)-(56)
       break;
     case Bridge::Operators::sharpened:
-      if (rate.partition() != x.partition())
-      {
-        rate.reinit(x.partition());
-        field.reinit(x.partition());
-      }
+      rate.fit_to(x.partition());
+      field.fit_to(x.partition());
       bridge.velocity_rate(model.state, dt_n, rate);
       add_scaled(dt_n, rate, v_hat); // (22), (55), (56)
       for (std::size_t i = 0; i < std::size_t(x.partition()->n_local()) * node_stride; ++i)

@@ -50,8 +50,7 @@ namespace tombolo
       for (unsigned int p = 0; p < model.parts.size(); ++p)
         if (SmoothedCells<dim> *const cells = refilled_cells_of(model.parts[p]))
         {
-          parts.push_back({std::make_unique<PartRefill<dim>>(model, p, *cells, end_time),
-                           cells->refill().interval, false});
+          parts.push_back({std::make_unique<PartRefill<dim>>(model, p, *cells, end_time)});
           for (unsigned int c = 0; c < cells->n_cells(); ++c)
             if (cells->is_removed(c))
               void_cells.push_back(cells->nodes_of_cell(c));
@@ -86,7 +85,7 @@ namespace tombolo
       ModelChange change;
       for (Refilled &part : parts)
       {
-        if (clock.step == 0 || clock.step % part.interval != 0)
+        if (clock.step == 0 || clock.step % part.refill->settings.interval != 0)
           continue;
         model.bridge->smooth_velocity(model.state);
         const bool is_conservative = part.refill->settings.is_conservative();
@@ -185,11 +184,10 @@ namespace tombolo
       Vector momentum{}, angular_momentum{};
     };
 
-    /** A part, and how often its cells are checked. */
+    /** A part. */
     struct Refilled
     {
       std::unique_ptr<PartRefill<dim>> refill;
-      unsigned int interval;
       bool has_reached_end = false; ///< metal, the end of the void cells
     };
 

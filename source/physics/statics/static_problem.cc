@@ -141,9 +141,7 @@ namespace tombolo
     Clock clock;
     clock.stable_step = spring_time;
     begin_trials(clock);
-    NodalVector force, bound;
-    force.reinit(model.state.partition());
-    bound.reinit(model.state.partition(), Quantity::scalars);
+    NodalVector force(model.state.partition()), bound(model.state.partition(), Quantity::scalars);
     for_acting([&](Process<dim> &process) { process.act(model, clock, force); });
     std::vector<ContactStiffness<dim>> result;
     linearize(clock, result, bound);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/approximation/nodal_smoothing.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/formulations/particles/pair_interactions.h>
 #include <tombolo/model/model.h>
 #include <tombolo/state/dependent_nodes.h>
@@ -67,10 +68,7 @@ namespace tombolo
         {
           gradients[k] =
               dealii::GeometryInfo<dim>::d_linear_shape_function_gradient(quadrature.point(q), k);
-          dealii::Tensor<1, dim> corner;
-          for (unsigned int d = 0; d < dim; ++d)
-            corner[d] = position.node(corners[k])[d];
-          jacobian += outer_product(corner, gradients[k]);
+          jacobian += outer_product(vector_of<dim>(position.node(corners[k])), gradients[k]);
           temperature +=
               dealii::GeometryInfo<dim>::d_linear_shape_function(quadrature.point(q), k) *
               *field.node(corners[k]);

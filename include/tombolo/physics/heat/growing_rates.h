@@ -93,9 +93,8 @@ namespace tombolo
     {
       ThermalModel<dim> &heat = *model.heat;
       const auto &partition = rate.partition();
-      if (direction.partition() != partition)
-        for (NodalVector *const vector : {&direction, &image})
-          vector->reinit(partition, Quantity::scalars);
+      for (NodalVector *const vector : {&direction, &image})
+        vector->fit_to(partition, Quantity::scalars);
       direction.set_zero();
       change_owned({&direction},
                    [&]

@@ -136,7 +136,7 @@ namespace tombolo
       if (surface.facets.facets.empty())
         return;
       relax_onto(surface, slides, initial, nullptr, position);
-      NodalVector from = before.copy(), is_bound;
+      NodalVector from = before.copy(), is_bound(position.partition(), Quantity::scalar);
       from.fill(
           [&](const unsigned int i, double *const coordinates)
           {
@@ -155,7 +155,6 @@ namespace tombolo
               coordinates[d] =
                   initial.node(i)[d] + *way_shares.node(i) * (coordinates[d] - initial.node(i)[d]);
           });
-      is_bound.reinit(position.partition(), Quantity::scalar);
       for (unsigned int iteration = 0; iteration < n_iterations; ++iteration)
       {
         change_owned({&position}, [&] { keep_outside(from, position, is_bound); });

@@ -58,10 +58,9 @@ namespace tombolo
         : problem(problem), solver(solver),
           owned_rows(rows_of(problem.model.state.partition()->owned()))
     {
-      cell_forces.reinit(problem.model.state.partition(), Quantity::scalars);
-      absolute_row_sums.reinit(problem.model.state.partition(), Quantity::scalars);
-      rounded_forces.reinit(problem.model.state.partition(), Quantity::scalars);
-      spring_bound.reinit(problem.model.state.partition(), Quantity::scalars);
+      for (NodalVector *const vector :
+           {&cell_forces, &absolute_row_sums, &rounded_forces, &spring_bound})
+        vector->reinit(problem.model.state.partition(), Quantity::scalars);
       NodalVector none(problem.model.state.partition(), Quantity::scalar);
       dependent = DependentRows(none);
       find_far_constraints({});
