@@ -82,9 +82,11 @@ namespace tombolo
       std::ostringstream line;
       line.precision(4);
       line << "  t = " << errors.time << ": relative L2 error";
+      const char *separator = " of ";
       const auto print = [&](const char *label, const double error)
       {
-        line << label;
+        line << separator << label << ' ';
+        separator = ", of ";
         if (std::isfinite(error))
           line << error;
         else
@@ -92,13 +94,13 @@ namespace tombolo
       };
       if (exact->has_stress())
       {
-        print(" of stress xx ", errors.axial_stress);
-        print(", of all stress ", errors.stress);
+        print("stress xx", errors.axial_stress);
+        print("all stress", errors.stress);
       }
       if (exact->has_velocity())
-        print(exact->has_stress() ? ", of velocity " : " of velocity ", errors.velocity);
+        print("velocity", errors.velocity);
       if (exact->has_temperature())
-        print(" of temperature ", errors.temperature);
+        print("temperature", errors.temperature);
       return line.str();
     }
 
