@@ -168,7 +168,7 @@ namespace tombolo
     {
       accelerated_share = find_accelerated_shares(particles);
       std::vector<Sums> sums(particles.size());
-      CellIntegration<dim> integration(*nodes, value_sharpness());
+      CellQuadrature<dim> quadrature(*nodes, value_sharpness());
       const auto sums_of = [&](const Node node)
       {
         const std::size_t index = particles.index_of(node);
@@ -198,7 +198,7 @@ namespace tombolo
                     : !is_own && std::none_of(cell_nodes.begin(), cell_nodes.end(), sums_of))
           continue;
         nodes->cell_points(cell, points);
-        const CellIntegrals<dim> &cell_integrals = integration.integrate(cell, cell_nodes, points);
+        const CellIntegrals<dim> &cell_integrals = quadrature.integrate(cell, cell_nodes, points);
         const CellIntegrals<dim> &integrals =
             follows
                 ? dependent_integrals = cell_integrals.on_independent_nodes(*nodes, node_positions)

@@ -154,10 +154,10 @@ namespace tombolo
 
   /** Finds the integrals of cells one after the other. */
   template <int dim>
-  class CellIntegration
+  class CellQuadrature
   {
   public:
-    CellIntegration(const Nodes<dim> &nodes, const double value_sharpness)
+    CellQuadrature(const Nodes<dim> &nodes, const double value_sharpness)
         : value_sharpness(value_sharpness), quadrature(2),
           fe_values(nodes.dof_handler().get_fe(), quadrature,
                     dealii::update_values | dealii::update_gradients |
