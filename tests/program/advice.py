@@ -83,10 +83,8 @@ end
 
 class PatchTest(command_line.Case):
     def defect(self, *settings, ranks=1):
-        with open(self.path("block.vtk"), "w") as file:
-            file.write(subdivided_tetrahedra(2))
-        with open(self.path("block.prm"), "w") as file:
-            file.write(BLOCK)
+        self.write("block.vtk", subdivided_tetrahedra(2))
+        self.write("block.prm", BLOCK)
         options = [part for setting in settings for part in ("--set", setting)]
         printed = self.run_program("--dry-run", "block.prm", *options, ranks=ranks)
         return float(re.search(r", patch-test defect ([^ ,\n]+)", printed).group(1)), printed
@@ -169,11 +167,10 @@ class Warnings(command_line.Case):
 
     def test_initial_velocities_of_a_body_at_rest(self):
         for velocity, count in (("0.1; 0", 1), ("0; 0", 0)):
-            with open(self.path("bar.prm"), "w") as file:
-                file.write(run_cases.parameter_text({"file": "bar.prm", "replace": [
-                    ["set Parts            = bar", "set Initial conditions = motion\nset Parts            = bar"],
-                    ["subsection Output", f"subsection Initial condition: motion\n  set Velocity = {velocity}\nend\n\n"
-                                          "subsection Output"]]}))
+            self.write("bar.prm", run_cases.parameter_text({"file": "bar.prm", "replace": [
+                ["set Parts            = bar", "set Initial conditions = motion\nset Parts            = bar"],
+                ["subsection Output", f"subsection Initial condition: motion\n  set Velocity = {velocity}\nend\n\n"
+                                      "subsection Output"]]}))
             printed = self.run_program("--dry-run", "bar.prm")
             self.assertEqual(printed.count("Warning: The initial velocities do nothing"), count, printed)
 
@@ -249,8 +246,7 @@ class Warnings(command_line.Case):
     def test_bodies_at_rest_are_told_nothing_of_waves_and_steps(self):
         for formulation in ("fully integrated hexahedron", "momentum consistent particle"):
             for end in ("1e-3", "1", "1e5"):
-                with open(self.path("bar.prm"), "w") as file:
-                    file.write(run_cases.parameter_text({"file": "bar.prm", "replace": [["set Times = 0, 0.5, 1", ""]]}))
+                self.write("bar.prm", run_cases.parameter_text({"file": "bar.prm", "replace": [["set Times = 0, 0.5, 1", ""]]}))
                 printed = self.run_program("--dry-run", "bar.prm", "--set", "End time = " + end, "--set",
                                            "Statics/Largest step = " + end, "--set", "Part: bar/Formulation = " + formulation,
                                            "--set", "Unit labels = length: m, time: s")
@@ -347,10 +343,9 @@ class Owner(command_line.Case):
         self.run_program("--quiet", "rod.prm")  # nothing could be resumed
 
     def test_a_chain_that_has_not_come_to_its_end_is_kept_from_its_first_stage_on(self):
-        with open(self.path("chain.prm"), "w") as file:
-            file.write(run_cases.parameter_text({"file": "bar.prm"}).replace("@OUTPUT@", "output") +
-                       "set Stages = one, two\nsubsection Stage: one\nend\nsubsection Stage: two\nend\n"
-                       "subsection Checkpoint\n  set Step interval = 1\nend\n")
+        self.write("chain.prm", run_cases.parameter_text({"file": "bar.prm"}).replace("@OUTPUT@", "output") +
+                   "set Stages = one, two\nsubsection Stage: one\nend\nsubsection Stage: two\nend\n"
+                   "subsection Checkpoint\n  set Step interval = 1\nend\n")
         self.run_program("--quiet", "chain.prm")
         os.remove(self.path("output", "two", "summary.json"))
         before = self.read("output", "one", "summary.json")

@@ -85,9 +85,6 @@ RENEWED = ("    set Bond failure", "    set Configuration = updated Lagrangian\n
 
 
 class Case(command_line.Case):
-    def write(self, name, text):
-        with open(self.path(name), "w") as file:
-            file.write(text)
 
     def write_colliding_bar(self, end, damping, configuration="total Lagrangian"):
         """The bar that tears and meets itself again, sooner than in the regression cases."""
@@ -166,6 +163,11 @@ class BitwiseCase(Case):
                                  [self.path("resumed", "checkpoint", os.path.basename(name))
                                   for name in written if name <= checkpoint])
 
+    def check_on_ranks(self, file, interval, *which):
+        """The first of which on one rank, the second on two."""
+        for ranks, fractions in enumerate(which, 1):
+            self.check(file, interval, fractions, ranks)
+
 
 class BitwiseRods(BitwiseCase):
     def test_coupled_rod(self):
@@ -174,8 +176,7 @@ class BitwiseRods(BitwiseCase):
                              ["subsection Output", "subsection Condition: wall\n  set Where = x > 1.999\n"
                               "  set Type = clamp\nend\nsubsection Exact solution\n  set Velocity = "
                               "0.1*sin(t); 0\nend\nsubsection Output"])
-        self.check("rod.prm", 4, (0, 0.3), 1)
-        self.check("rod.prm", 4, (0.6,), 2)
+        self.check_on_ranks("rod.prm", 4, (0, 0.3), (0.6,))
 
     def test_coupled_rod_with_the_smoothing_of_the_paper_and_a_filter(self):
         self.write_small_rod(PROBES, ["set End time         = 0.5", "set End time = 3"],
@@ -183,19 +184,16 @@ class BitwiseRods(BitwiseCase):
                              ["subsection Output", "set Plugin libraries = liblattice_filter.so\n"
                               "subsection Lattice filter\n  set "
                               "Power = 2\n  set Interval = 3\nend\nsubsection Output"])
-        self.check("rod.prm", 4, (0.4,), 1)
-        self.check("rod.prm", 4, (0.2,), 2)
+        self.check_on_ranks("rod.prm", 4, (0.4,), (0.2,))
 
     def test_rod_with_scaled_inertia(self):
         self.write_small_rod(PROBES, ["set End time         = 0.5", "set End time = 3"], GRAVITY,
                              scaling("set Mass factor = 0.2\n  set Process time factor = 1.7"))
-        self.check("rod.prm", 4, (0.3,), 1)
-        self.check("rod.prm", 4, (0.6,), 2)
+        self.check_on_ranks("rod.prm", 4, (0.3,), (0.6,))
 
     def test_impact_with_mass_added_on_the_way(self):
         self.write_small_rod(*IMPACT)
-        self.check("rod.prm", 4, (0.7,), 1)
-        self.check("rod.prm", 4, (0.5,), 2)
+        self.check_on_ranks("rod.prm", 4, (0.7,), (0.5,))
 
     def test_impact_of_cells_that_take_longer_steps(self):
         # The end that meets the wall has large cells: they have other steps once they touch it.
@@ -212,14 +210,12 @@ class BitwiseRods(BitwiseCase):
                    "subsection Part: left\n  set Cells = x < 1.25\nend\nsubsection Part: layer\n"
                    "  set Cells = x > 1.25 && x < 1.5\n  subsection hexahedron\n    set Erosion strain = 0.3\n"
                    "  end\nend\n" + LONGER_STEPS)
-        self.check("torn.prm", 7, (0.3, 0.5), 1)
-        self.check("torn.prm", 7, (0.3, 0.5), 2)
+        self.check_on_ranks("torn.prm", 7, (0.3, 0.5), (0.3, 0.5))
 
     def test_cells_that_take_longer_steps_and_become_particles(self):
         self.write("converted.prm", f"include {REGRESSION}/conversion.prm\nset Output directory = output\n"
                    "subsection Mesh\n  subsection box\n    set Cells = 16 to 0.8 | 9 to 3; 3; 3\n  end\nend\n" + LONGER_STEPS)
-        self.check("converted.prm", 7, (0.2, 0.6), 1)
-        self.check("converted.prm", 7, (0.4,), 2)
+        self.check_on_ranks("converted.prm", 7, (0.2, 0.6), (0.4,))
 
     def test_run_that_stops_before_its_next_output(self):
         # The summary has impulses and works of the last output, which was before the checkpoint.
@@ -249,16 +245,14 @@ class BitwiseDivisions(BitwiseCase):
                              ["  set Formulation = momentum consistent particle\n  set Material    = steel\n"
                               "  subsection momentum consistent particle\n    set Dilation  = 1.8\n    set Smoothing "
                               "= affine\n  end\n", "  set Formulation = smoothed cells\n  set Material    = steel\n"])
-        self.check("rod.prm", 4, (0.4,), 1)
-        self.check("rod.prm", 4, (0.6,), 2)
+        self.check_on_ranks("rod.prm", 4, (0.4,), (0.6,))
 
     def test_impact_of_elements_of_two_sizes(self):
         """With particles beside them, mass added on the way, and contact, gently."""
         self.write_small_rod(*IMPACT, ["set End time = 8", "set End time = 4"],
                              ["Velocity = -0.4; 0", "Velocity = -0.1; 0"],
                              ["set Type = box", "set Type = box\n  set Refine where = x < 0.7"])
-        self.check("rod.prm", 4, (0.4,), 1)
-        self.check("rod.prm", 4, (0.6,), 2)
+        self.check_on_ranks("rod.prm", 4, (0.4,), (0.6,))
 
     def test_cells_that_are_divided_and_joined_in_the_run(self):
         """With heat, a symmetry plane, and histories beside the pictures."""
@@ -273,8 +267,7 @@ class BitwiseDivisions(BitwiseCase):
              "1\n    set Conductivity = 1\n    set Initial temperature = 300\n  end")))
         text = text[:text.index("set Output directory")] + text[text.index("set End time"):]
         self.write("pulse.prm", text + "set Output directory = output\n")
-        self.check("pulse.prm", 5, (0.7,), 1)
-        self.check("pulse.prm", 5, (0.5,), 2)
+        self.check_on_ranks("pulse.prm", 5, (0.7,), (0.5,))
 
     def test_cells_that_are_divided_and_joined_beside_a_disc(self):
         """Springs of contact, friction, and a tool that receives heat."""
@@ -283,8 +276,7 @@ class BitwiseDivisions(BitwiseCase):
         self.write("disc.prm", "include adaptive.prm\nset Output directory = output\nset End time = 60\n"
                    "subsection Contact: disc\n  set Friction = 0.3\n  set Conductance = 1e-4\n"
                    "  set Heat capacity = 0.01\n  set Tool temperature = 0\nend\n")
-        self.check("disc.prm", 50, (0.7,), 1)
-        self.check("disc.prm", 50, (0.5,), 2)
+        self.check_on_ranks("disc.prm", 50, (0.7,), (0.5,))
 
 
 class BitwiseRefills(BitwiseCase):
@@ -295,8 +287,7 @@ class BitwiseRefills(BitwiseCase):
             ("Number         = 30", "Number         = 6"),
             ("Write solution = false", "Write solution = true")))
         self.write("block.prm", text + "set Output directory = output\n")
-        self.check("block.prm", 250, (0.9,), 1)
-        self.check("block.prm", 250, (0.7,), 2)
+        self.check_on_ranks("block.prm", 250, (0.9,), (0.7,))
         # By interpolation, of cells with one point.
         stretch = "    set Refill stretch "
         self.assertIn(stretch, text)
@@ -308,8 +299,7 @@ class BitwiseRefills(BitwiseCase):
     def test_smoothed_cells_that_are_refilled_beside_a_rigid_part(self):
         self.write("block.prm", f"include {REGRESSION}/refill_beside_rigid.prm\n"
                    "set Output directory = output\nsubsection Output\n  set Write solution = true\nend\n")
-        self.check("block.prm", 3, (0.7,), 1)
-        self.check("block.prm", 3, (0.9,), 2)
+        self.check_on_ranks("block.prm", 3, (0.7,), (0.9,))
 
     def test_smoothed_cells_whose_surface_slides(self):
         directory = os.path.join(command_line.SOURCE, "parameter_files", "ploughing")
@@ -325,15 +315,13 @@ class BitwiseRefills(BitwiseCase):
         directory = os.path.join(command_line.SOURCE, "parameter_files", "ploughing")
         self.write("wall.prm", f"include {directory}/folded_wall.prm\nset Output directory = output\n"
                    "set End time = 160\nsubsection Output\n  set Write solution = true\nend\n")
-        self.check("wall.prm", 200, (0.8,), 1)
-        self.check("wall.prm", 200, (0.8,), 2)
+        self.check_on_ranks("wall.prm", 200, (0.8,), (0.8,))
 
 
 class BitwiseKernels(BitwiseCase):
     def test_block_whose_kernels_are_rebuilt(self):
         self.write("block.prm", block())
-        self.check("block.prm", 5, (0.6,), 1)
-        self.check("block.prm", 5, (0.4,), 2)
+        self.check_on_ranks("block.prm", 5, (0.6,), (0.4,))
 
     def test_smoothed_particles_with_pair_terms(self):
         self.write("body.prm", f"include {REGRESSION}/pair_body.prm\nset Output directory = output\n"
@@ -342,8 +330,7 @@ class BitwiseKernels(BitwiseCase):
                    "    set XSPH = true\n  end\nend\nsubsection Material: rubber\n  subsection Heat\n"
                    "    set Specific heat capacity = 1e-3\n    set Conductivity = 0: 1e-4, 1: 3e-4\n"
                    "    set Initial temperature = 0\n  end\nend\nsubsection Output\n  set Number = 4\n  set Write solution = true\nend\n")
-        self.check("body.prm", 4, (0.8,), 1)
-        self.check("body.prm", 4, (0.6,), 2)
+        self.check_on_ranks("body.prm", 4, (0.8,), (0.6,))
 
     def test_smoothed_particles_beside_elements_that_tear_and_heat(self):
         for configuration, ranks in (("total Lagrangian", 2), ("current", 2),
@@ -360,15 +347,13 @@ class BitwiseKernels(BitwiseCase):
 class BitwiseFragments(BitwiseCase):
     def test_bar_that_tears(self):
         self.write("bar.prm", torn_bar())
-        self.check("bar.prm", 6, (0.8,), 1)
-        self.check("bar.prm", 6, (0.6,), 2)
+        self.check_on_ranks("bar.prm", 6, (0.8,), (0.6,))
         self.write("bar.prm", torn_bar("16", RENEWED))
         self.check("bar.prm", 6, (0.7,), 2)
 
     def test_fragments_that_feel_each_other(self):
         self.write_colliding_bar("120", "1")
-        self.check("bar.prm", 40, (0.4,), 1)
-        self.check("bar.prm", 40, (0.7,), 2)
+        self.check_on_ranks("bar.prm", 40, (0.4,), (0.7,))
         self.write_colliding_bar("120", "1", "updated Lagrangian\n    set Rebuild interval = 7")
         self.check("bar.prm", 40, (0.7,), 2)
 
@@ -378,8 +363,7 @@ class BitwiseFragments(BitwiseCase):
         with open(self.path("bar.prm"), "a") as file:
             file.write("\nsubsection Material: metal\n  subsection Heat\n    set Specific heat capacity = "
                        "0.01\n    set Conductivity = 0.001\n    set Initial temperature = 300\n  end\nend\n")
-        self.check("bar.prm", 30, (0.8,), 1)
-        self.check("bar.prm", 30, (0.7,), 2)
+        self.check_on_ranks("bar.prm", 30, (0.8,), (0.7,))
         with open(self.path("resumed", "statistics.csv")) as file:
             header, *rows = [line.strip().split(",") for line in file]
         friction = next(i for i, name in enumerate(header) if name.startswith("self-contact friction"))
@@ -404,22 +388,19 @@ class BitwiseImpacts(BitwiseCase):
 
     def test_bar_under_impact(self):
         self.write_bar()
-        self.check("bar.prm", 20, (0.1, 0.9), 1)
-        self.check("bar.prm", 20, (0.7,), 2)
+        self.check_on_ranks("bar.prm", 20, (0.1, 0.9), (0.7,))
 
     def test_bar_under_impact_with_kinematic_contact(self):
         self.write_bar("6e-6")
         with open(self.path("bar.prm"), "a") as file:
             file.write("\nsubsection Contact: wall\n  set Method = kinematic\n  set Friction = 0.2\nend\n")
-        self.check("bar.prm", 20, (0.8,), 1)
-        self.check("bar.prm", 20, (0.6,), 2)
+        self.check_on_ranks("bar.prm", 20, (0.8,), (0.6,))
 
     def test_bar_that_fails_by_damage(self):
         for scene in ("ductile_erosion", "ductile_conversion"):
             self.write("bar.prm", f"include {REGRESSION}/{scene}.prm\nset Output directory = output\n"
                        "set End time = 8e-6\nsubsection Output\n  set Number = 4\nend\n")
-            self.check("bar.prm", 20, (0.9,), 1)
-            self.check("bar.prm", 20, (0.4,), 2)
+            self.check_on_ranks("bar.prm", 20, (0.9,), (0.4,))
 
     def test_chip_that_forms(self):
         for scene, ranks in (("cut_smoothed", 2), ("cut_conversion", 1)):
@@ -436,8 +417,7 @@ class BitwiseContacts(BitwiseCase):
             ("set Damping   = 0", "set Friction  = 0.2"),
             ("= free\n", "= free\n    set Initial spin = 3, 10, -2\n"),
             ("solution = false", "solution = true"), ("rows = 1", "rows = 7")))
-        self.check("rigid.prm", 240, (0.8,), 1)
-        self.check("rigid.prm", 240, (0.5,), 2)
+        self.check_on_ranks("rigid.prm", 240, (0.8,), (0.5,))
 
     def test_contact_with_the_surface_of_a_part_with_friction_and_heat(self):
         body_meshes.write("half_spaces.msh", self.path())
@@ -447,15 +427,13 @@ class BitwiseContacts(BitwiseCase):
                    "subsection Heat\n  subsection explicit\n    set Maximum = 4e-5\n  end\nend\n"
                    "subsection Condition: press\n  set Function = -0.05*min(t, 0.004); 2e-5*sin(2000*t)\nend\n"
                    "subsection Output\n  set Times = 0.002, 0.004\n  set Write solution = true\nend\n")
-        self.check("part.prm", 20, (0.8,), 1)
-        self.check("part.prm", 20, (0.5,), 2)
+        self.check_on_ranks("part.prm", 20, (0.8,), (0.5,))
 
     def test_two_parts_that_collide(self):
         body_meshes.write("two_blocks.msh", self.path())
         self.write("parts.prm", scene_of_regression(
             "two_parts.prm", ("Write solution = false", "Write solution = true")))
-        self.check("parts.prm", 200, (0.8,), 1)
-        self.check("parts.prm", 200, (0.75,), 2)
+        self.check_on_ranks("parts.prm", 200, (0.8,), (0.75,))
         self.write("parts.prm", f"include {REGRESSION}/two_parts_rub.prm\n"
                    "set Output directory = output\nsubsection Output\n  set Write solution = true\nend\n")
         self.check("parts.prm", 200, (0.6,), 2)
@@ -470,8 +448,7 @@ class BitwiseContacts(BitwiseCase):
 
     def test_bodies_that_rub_conduct_and_bond(self):
         self.write_rubbing_blocks()
-        self.check("rubbing.prm", 40, (0.7,), 1)
-        self.check("rubbing.prm", 40, (0.5,), 2)
+        self.check_on_ranks("rubbing.prm", 40, (0.7,), (0.5,))
 
 
 class BitwiseStages(BitwiseCase):

@@ -34,10 +34,13 @@ class Case(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.directory, True)
         self.write_rod("rod.prm", "output")
 
+    def write(self, name, text):
+        with open(self.path(name), "w") as file:
+            file.write(text)
+
     def write_rod(self, name, output, *changes):
         text = run_cases.parameter_text({"replace": changes}).replace("@OUTPUT@", output)
-        with open(os.path.join(self.directory, name), "w") as file:
-            file.write(text)
+        self.write(name, text)
 
     def path(self, *names):
         return os.path.join(self.directory, *names)
@@ -94,8 +97,7 @@ class Options(Case):
     def test_printed_parameters_can_be_fed_back(self):
         printed = self.run_program("--print-parameters", "rod.prm", ranks=2)
         self.assertIn("Young's modulus", printed)
-        with open(self.path("again.prm"), "w") as file:
-            file.write(printed)
+        self.write("again.prm", printed)
         self.run_program("--validate", "again.prm")
         self.assertEqual(self.run_program("--print-parameters=prm", "again.prm"), printed)
 

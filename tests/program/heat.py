@@ -210,8 +210,7 @@ class Runs(checkpoint.Case, Scenes):
 class Bitwise(checkpoint.BitwiseCase, Scenes):
     def check_scene(self, file, interval, first, *changes):
         self.write_scene(file, *changes)
-        self.check("case.prm", interval, (first,), 1)
-        self.check("case.prm", interval, (0.6,), 2)
+        self.check_on_ranks("case.prm", interval, (first,), (0.6,))
 
     def test_heat_alone_with_explicit_steps(self):
         self.check_scene("heat.prm", 5, 0.1, PROBES)

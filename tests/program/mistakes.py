@@ -65,8 +65,7 @@ class Mistakes(command_line.Case):
         return [message for _, message in found], printed
 
     def write_twenty(self, *changes):
-        with open(self.path("case.prm"), "w") as file:
-            file.write(run_cases.changed_file(os.path.join(run_cases.HERE, "twenty_mistakes.prm"), changes))
+        self.write("case.prm", run_cases.changed_file(os.path.join(run_cases.HERE, "twenty_mistakes.prm"), changes))
 
     def test_twenty_mistakes_are_told_at_once_in_the_order_of_the_file(self):
         self.write_twenty()
@@ -130,8 +129,7 @@ class Meshes(command_line.Case):
             "  set Type = file\n  subsection file\n    set File = strip.vtk\n  end"]
 
     def write_mesh(self, text):
-        with open(self.path("strip.vtk"), "w") as file:
-            file.write(text)
+        self.write("strip.vtk", text)
 
     def test_a_mesh_file_is_read(self):
         self.write_rod("case.prm", "output", self.FILE)
@@ -184,8 +182,7 @@ class Listings(command_line.Case):
 
     def test_a_printed_section_can_be_read_again(self):
         printed = self.run_program("--print-parameters=prm:Material: steel/elastic", "rod.prm")
-        with open(self.path("steel.prm"), "w") as file:
-            file.write(printed)
+        self.write("steel.prm", printed)
         self.write_rod("case.prm", "output",
                        ["subsection Material: steel\n", "include steel.prm\nsubsection Material: steel\n"],
                        ["    set Density         = 100\n    set Young's modulus = 100\n", ""])
