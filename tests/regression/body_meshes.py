@@ -27,10 +27,10 @@ class Mesh:
             self.names.append((dim, name))
         return self.names.index((dim, name)) + 1
 
-    def add_block(self, name, coordinates, position, boundaries, by_rows=False):
-        """A lattice of these coordinates by axis. `position` moves a node; `boundaries` maps (axis,
-        end) to the name of a boundary. The cells are numbered along the last axis first, or
-        `by_rows` along the first one like the nodes."""
+    def add_block(self, name, coordinates, boundaries, position=lambda *point: point, by_rows=False):
+        """A lattice of these coordinates by axis. `boundaries` maps (axis, end) to the name of a boundary;
+        `position` moves a node. The cells are numbered along the last axis first, or `by_rows` along the
+        first one like the nodes. Returns the mesh."""
         counts = [len(axis) for axis in coordinates]
         numbers = {}
         for index in itertools.product(*(range(n) for n in reversed(counts))):
@@ -58,6 +58,7 @@ class Mesh:
                         node_index[d] = i + c
                     face.append(numbers[tuple(node_index)])
                 self.elements.append((1 if self.dim == 2 else 3, group, face))
+        return self
 
     def add_ring(self, name, centre, inner, outer, spacing):
         """The cells of a lattice whose middles are between two circles about a node of it."""
@@ -186,84 +187,67 @@ def turned(x, y, *rest):
 
 
 def bars(gap=0.5):
-    mesh = Mesh(2)
-    mesh.add_block("left", [even(-50., 0., 50), even(0., 3., 3)], lambda x, y: (x, y),
-                   {(0, 1): "left end"})
-    mesh.add_block("right", [even(gap, 50. + gap, 50), even(0., 3., 2)], lambda x, y: (x, y),
-                   {(0, 0): "right end"})
-    return mesh
+    mesh = Mesh(2).add_block("left", [even(-50., 0., 50), even(0., 3., 3)], {(0, 1): "left end"})
+    return mesh.add_block("right", [even(gap, 50. + gap, 50), even(0., 3., 2)], {(0, 0): "right end"})
 
 
 def patch_2d():
-    mesh = Mesh(2)
-    mesh.add_block("lower", [graded(0., 1., 5, 2.5), even(-0.5, 0., 2)], turned,
-                   {(1, 0): "bottom", (1, 1): "lower face"})
-    mesh.add_block("upper", [graded(0., 1., 7, 0.4), even(0., 0.6, 3)], turned,
-                   {(1, 0): "upper face", (1, 1): "top"})
-    return mesh
+    mesh = Mesh(2).add_block("lower", [graded(0., 1., 5, 2.5), even(-0.5, 0., 2)],
+                             {(1, 0): "bottom", (1, 1): "lower face"}, turned)
+    return mesh.add_block("upper", [graded(0., 1., 7, 0.4), even(0., 0.6, 3)],
+                          {(1, 0): "upper face", (1, 1): "top"}, turned)
 
 
 def patch_3d():
-    mesh = Mesh(3)
-
     def turn(x, y, z):
         x, z = turned(x, z)
         return x, y, z
 
-    mesh.add_block("lower", [graded(0., 1., 5, 2.5), graded(0., 1., 3, 2.), even(-0.4, 0., 1)],
-                   turn, {(2, 0): "bottom", (2, 1): "lower face"})
-    mesh.add_block("upper", [graded(0., 1., 7, 0.4), graded(0., 1., 4, 1.5), even(0., 0.5, 2)],
-                   turn, {(2, 0): "upper face", (2, 1): "top"})
-    return mesh
+    mesh = Mesh(3).add_block("lower", [graded(0., 1., 5, 2.5), graded(0., 1., 3, 2.), even(-0.4, 0., 1)],
+                             {(2, 0): "bottom", (2, 1): "lower face"}, turn)
+    return mesh.add_block("upper", [graded(0., 1., 7, 0.4), graded(0., 1., 4, 1.5), even(0., 0.5, 2)],
+                          {(2, 0): "upper face", (2, 1): "top"}, turn)
 
 
 def half_spaces():
-    mesh = Mesh(2)
     width, gap = 1e-3, 8e-6
     near_to_far = graded(0., 0.06, 48, 40.)
-    mesh.add_block("work", [[-x for x in reversed(near_to_far)], even(0., width, 2)],
-                   lambda x, y: (x, y), {(0, 1): "work face"})
-    mesh.add_block("tool", [[x + gap for x in near_to_far], even(0., width, 1)],
-                   lambda x, y: (x, y), {(0, 0): "tool face"})
-    return mesh
+    mesh = Mesh(2).add_block("work", [[-x for x in reversed(near_to_far)], even(0., width, 2)],
+                             {(0, 1): "work face"})
+    return mesh.add_block("tool", [[x + gap for x in near_to_far], even(0., width, 1)],
+                          {(0, 0): "tool face"})
 
 
 def rubbing():
-    mesh = Mesh(2)
     heights = graded(0., 1., 20, 3.)
-    mesh.add_block("lower", [even(-20., 20., 40), [-y for y in reversed(heights)]],
-                   lambda x, y: (x, y), {(1, 1): "lower face"})
-    mesh.add_block("upper", [even(-20., 20., 31), [y + 2e-3 for y in heights]],
-                   lambda x, y: (x, y), {(1, 0): "upper face"})
-    return mesh
+    mesh = Mesh(2).add_block("lower", [even(-20., 20., 40), [-y for y in reversed(heights)]],
+                             {(1, 1): "lower face"})
+    return mesh.add_block("upper", [even(-20., 20., 31), [y + 2e-3 for y in heights]],
+                          {(1, 0): "upper face"})
 
 
 def slider():
     """A short block, two wide, on a long one with flat cells below its face."""
-    mesh = Mesh(2)
     depths = graded(0., 5., 14, 25.)
-    mesh.add_block("ground", [even(0., 13., 130), [-y for y in reversed(depths)]],
-                   lambda x, y: (x, y), {})
-    mesh.add_block("slider", [even(0.5, 2.5, 20), even(1e-3, 0.101, 1)], lambda x, y: (x, y), {})
-    return mesh
+    mesh = Mesh(2).add_block("ground", [even(0., 13., 130), [-y for y in reversed(depths)]], {})
+    return mesh.add_block("slider", [even(0.5, 2.5, 20), even(1e-3, 0.101, 1)], {})
 
 
 def flush_blocks(dim=2, low=0.):
     mesh = Mesh(dim)
     across = [even(low, 2., round(2. - low))] * (dim - 1)
     for name, start in (("left", 0.), ("right", 6.)):
-        mesh.add_block(name, [even(start, start + 6., 6)] + across, lambda *point: point, {})
+        mesh.add_block(name, [even(start, start + 6., 6)] + across, {})
     return mesh
 
 
 def mirrored(is_whole):
     """A block that the plane y = 0 halves, and one beside it that stays off the plane."""
-    mesh = Mesh(2)
     low, n = (-2., 8) if is_whole else (0., 4)
-    mesh.add_block("middle", [even(0., 3., 6), even(low, 2., n)], lambda *point: point, {})
+    mesh = Mesh(2).add_block("middle", [even(0., 3., 6), even(low, 2., n)], {})
     for sign in (1., -1.) if is_whole else (1.,):
         ways = [sign * y for y in even(0.35, 2.35, 4)]
-        mesh.add_block("side", [even(3.75, 6.75, 6), sorted(ways)], lambda *point: point, {})
+        mesh.add_block("side", [even(3.75, 6.75, 6), sorted(ways)], {})
     return mesh
 
 
@@ -283,8 +267,7 @@ def growing(first, length, n):
 def cut():
     """The lattice of parameter_files/machining/geometry.prm and its tool, in mm: rake 10, clearance 7
     degrees. The edge of the tool is a corner in the middle of an arc of radius 0.02."""
-    mesh = Mesh(2)
-    mesh.add_block("work", [even(0., 5., 48), even(-2.052632, 1., 29)], lambda x, y: (x, y), {})
+    mesh = Mesh(2).add_block("work", [even(0., 5., 48), even(-2.052632, 1., 29)], {})
     rake, clearance, radius = math.radians(10.), math.radians(7.), 0.02
     face = (-math.sin(rake), math.cos(rake))
     flank = (-math.cos(clearance), math.sin(clearance))
@@ -299,8 +282,7 @@ def cut():
         return x - 1e-3, y
 
     first = radius / math.tan(half)
-    mesh.add_block("tool", [growing(first, 3., 24), growing(first, 1.7, 16)], position, {})
-    return mesh
+    return mesh.add_block("tool", [growing(first, 3., 24), growing(first, 1.7, 16)], {}, position)
 
 
 def cylinders():
@@ -331,9 +313,8 @@ def cylinders():
 
         heights = rows if sign > 0. else list(reversed(rows))
         face = 0 if sign > 0. else 1
-        mesh.add_block(name, [columns, heights], position,
-                       {(1, face): f"{name} face", (1, 1 - face): f"{name} end",
-                        (0, 0): f"{name} axis"})
+        mesh.add_block(name, [columns, heights], {(1, face): f"{name} face", (1, 1 - face): f"{name} end",
+                                                  (0, 0): f"{name} axis"}, position)
     return mesh
 
 
@@ -351,31 +332,28 @@ def spheres():
             return tuple(round(c, 9) for c in (x, y, z + sign * rise * (1. - abs(z) / size)))
 
         face = 0 if sign > 0. else 1
-        mesh.add_block(name, [columns, columns, heights], position,
+        mesh.add_block(name, [columns, columns, heights],
                        {(2, face): f"{name} face", (2, 1 - face): f"{name} end",
-                        (0, 0): "left", (1, 0): "front"})
+                        (0, 0): "left", (1, 0): "front"}, position)
     return mesh
 
 
 def punch():
     """A block of 6 by 6 by 3 cells on the middle of one of 8 by 8 by 4."""
-    mesh = Mesh(3)
-    mesh.add_block("upper", [even(0.25, 0.75, 6), even(0.25, 0.75, 6), even(1., 1.5, 3)],
-                   lambda *point: point, {(2, 0): "upper face", (2, 1): "top"})
-    mesh.add_block("lower", [even(0., 1., 8), even(0., 1., 8), even(0., 1., 4)],
-                   lambda *point: point, {(2, 0): "bottom", (2, 1): "lower face"})
-    return mesh
+    mesh = Mesh(3).add_block("upper", [even(0.25, 0.75, 6), even(0.25, 0.75, 6), even(1., 1.5, 3)],
+                             {(2, 0): "upper face", (2, 1): "top"})
+    return mesh.add_block("lower", [even(0., 1., 8), even(0., 1., 8), even(0., 1., 4)],
+                          {(2, 0): "bottom", (2, 1): "lower face"})
 
 
 def pressed_plate():
     mesh = Mesh(2)
     mesh.add_block("lower die", [even(-15., 15., 30), [-y for y in reversed(graded(0., 10., 10, 3.))]],
-                   lambda x, y: (x, y), {(1, 0): "bottom", (1, 1): "lower face"})
-    mesh.add_block("plate", [even(-20., 20., 80), even(0., 2., 4)], lambda x, y: (x, y),
+                   {(1, 0): "bottom", (1, 1): "lower face"})
+    mesh.add_block("plate", [even(-20., 20., 80), even(0., 2., 4)],
                    {(1, 0): "plate bottom", (1, 1): "plate top"})
-    mesh.add_block("upper die", [even(-8., 8., 22), [2. + y for y in graded(0., 8., 10, 3.)]],
-                   lambda x, y: (x, y), {(1, 0): "upper face", (1, 1): "top"})
-    return mesh
+    return mesh.add_block("upper die", [even(-8., 8., 22), [2. + y for y in graded(0., 8., 10, 3.)]],
+                          {(1, 0): "upper face", (1, 1): "top"})
 
 
 def flat_shoulder():
@@ -386,10 +364,11 @@ def flat_shoulder():
     across = [5e-7] + even(0., 9., 9)[1:] + graded(9., 25.4, 7, 3.)[1:] + even(25.4, 31.75, 2)[1:]
     along, heights = even(-7.62, 68.58, 44), even(-3.18, 0., 2)
     for name, columns in (("left", [-x for x in reversed(across)]), ("right", across)):
-        mesh.add_block(name, [columns, along, heights], lambda *point: [round(x, 9) for x in point],
+        mesh.add_block(name, [columns, along, heights],
                        {(0, 0): "left side" if name == "left" else "right joint",
                         (0, 1): "left joint" if name == "left" else "right side",
-                        (1, 0): "ends", (1, 1): "ends", (2, 0): "bottom", (2, 1): "top"})
+                        (1, 0): "ends", (1, 1): "ends", (2, 0): "bottom", (2, 1): "top"},
+                       lambda *point: [round(x, 9) for x in point])
     mesh.add_cylinder("tool", 7.62, 8, 3, [0., 1.5, 3.3, 5.5, 8.2, 11.5, 15.24],
                       ("shoulder", "tool top", "tool side"))
     return mesh
@@ -405,24 +384,20 @@ def rings(inner, outer):
 
 def tube_sector():
     """60 degrees of a tube about (3, 1), of the radii 1 and 2."""
-    mesh = Mesh(2)
-    mesh.add_block("tube", (even(1., 2., 16), even(math.radians(20), math.radians(80), 16)),
-                   lambda r, angle: (3 + r*math.cos(angle), 1 + r*math.sin(angle)),
-                   {(0, 0): "inner", (0, 1): "outer", (1, 0): "first end", (1, 1): "second end"})
-    return mesh
+    return Mesh(2).add_block("tube", (even(1., 2., 16), even(math.radians(20), math.radians(80), 16)),
+                             {(0, 0): "inner", (0, 1): "outer", (1, 0): "first end", (1, 1): "second end"},
+                             lambda r, angle: (3 + r*math.cos(angle), 1 + r*math.sin(angle)))
 
 
 def tube(n=8):
     """The quarter of a thick-walled tube of the radii 1 and 2."""
-    mesh = Mesh(2)
-
     def position(r, angle):
         x, y = r * math.cos(angle), r * math.sin(angle)
         return (0. if angle == math.pi / 2 else x), y
 
-    mesh.add_block("tube", [even(1., 2., n), even(0., math.pi / 2, 2 * n)], position,
-                   {(0, 0): "bore", (0, 1): "outside", (1, 0): "plane y", (1, 1): "plane x"})
-    return mesh
+    return Mesh(2).add_block("tube", [even(1., 2., n), even(0., math.pi / 2, 2 * n)],
+                             {(0, 0): "bore", (0, 1): "outside", (1, 0): "plane y", (1, 1): "plane x"},
+                             position)
 
 
 def two_blocks(dim):
@@ -431,7 +406,7 @@ def two_blocks(dim):
     n, lows = ((15, 6), (0.21,)) if dim == 2 else ((6, 3, 3), (0.11, 0.21))
     for left in ((0.,) * dim, (n[0] / 3. + 1., *lows)):
         lattice = [[low + i * (1. / 3.) for i in range(count + 1)] for low, count in zip(left, n)]
-        mesh.add_block("blocks", lattice, lambda *point: point, {}, by_rows=True)
+        mesh.add_block("blocks", lattice, {}, by_rows=True)
     return mesh
 
 
@@ -452,7 +427,7 @@ def stacked(blocks):
     axis = mesh.dim - 1
     for number, lattice in enumerate(blocks, 1):
         faces = {(axis, k): f"b{number} {'xyz'[axis]}{end}" for k, end in enumerate(("min", "max"))}
-        mesh.add_block(f"b{number}", lattice, lambda *point: point, faces, by_rows=True)
+        mesh.add_block(f"b{number}", lattice, faces, by_rows=True)
     return mesh
 
 
