@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "text_testing.h"
+
 #include <deal.II/base/mpi.h>
 
 #include <tombolo/base/input/parameters.h>
@@ -12,8 +14,6 @@
 
 #include <boost/serialization/utility.hpp>
 #include <boost/serialization/vector.hpp>
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -77,32 +77,6 @@ namespace tombolo
     extern template class MeshScene<2>;
     extern template class MeshScene<3>;
 
-    /** The message of the InputError that an action throws; empty if it throws none. Fails the
-     * test where ranks disagree about it. */
-    template <typename Action>
-    std::string input_error(const Action &action)
-    {
-      std::string message;
-      try
-      {
-        action();
-      }
-      catch (const InputError &error)
-      {
-        message = error.what();
-      }
-      for (const auto &other : texts_of_ranks(MPI_COMM_WORLD, message))
-        EXPECT_EQ(other, message);
-      return message;
-    }
-
-    inline ::testing::AssertionResult contains(const std::string &text, const std::string &part)
-    {
-      if (text.find(part) != std::string::npos)
-        return ::testing::AssertionSuccess();
-      return ::testing::AssertionFailure() << "\"" << part << "\" is not in \"" << text << "\"";
-    }
-
     inline std::string source_directory()
     {
       return std::getenv("TOMBOLO_SOURCE_DIR");
@@ -133,6 +107,20 @@ namespace tombolo
             if (nodes.owned().is_element(numbers[k]))
               use(numbers[k], points[k]);
         }
+    }
+
+    /** Where the mesh has the nodes. Collective. */
+    template <int dim>
+    NodalVector initial_positions(const Nodes<dim> &nodes,
+                                  const std::shared_ptr<const NodePartition> &partition)
+    {
+      NodalVector result(partition);
+      for_owned_nodes(nodes,
+                      [&](const auto number, const dealii::Point<dim> &point) {
+                        std::copy_n(&point[0], dim, result.node(partition->local_index(number)));
+                      });
+      result.update_ghosts();
+      return result;
     }
 
     /** Positions of all nodes by persistent id, on every rank. */

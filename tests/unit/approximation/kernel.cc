@@ -2,6 +2,8 @@
 #include <tombolo/approximation/kernel.h>
 #include <tombolo/base/simd/vectorization.h>
 
+#include "text_testing.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +12,8 @@
 namespace
 {
   using namespace tombolo;
+  using tombolo::testing::contains;
+  using tombolo::testing::input_error;
 
   /** w and dw at any coordinates, through whole Lanes. */
   struct Values
@@ -112,15 +116,7 @@ namespace
 
   TEST(Kernels, an_unknown_name_is_refused_with_the_nearest)
   {
-    try
-    {
-      make_kernel("cubic splin");
-      FAIL() << "no exception";
-    }
-    catch (const InputError &error)
-    {
-      EXPECT_NE(std::string(error.what()).find("Did you mean \"cubic spline\"?"), std::string::npos)
-          << error.what();
-    }
+    EXPECT_TRUE(contains(input_error([] { make_kernel("cubic splin"); }),
+                         "Did you mean \"cubic spline\"?"));
   }
 } // namespace

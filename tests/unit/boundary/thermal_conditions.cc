@@ -12,8 +12,6 @@
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <optional>
-#include <set>
 
 using namespace tombolo;
 using namespace tombolo::testing;
@@ -68,19 +66,13 @@ namespace
       partition =
           std::make_shared<const NodePartition>(nodes->owned(), ghosts, nodes->communicator());
       conditions->set_partition(*partition);
-      position.reinit(partition);
-      for_owned_nodes(*nodes,
-                      [&](const auto number, const dealii::Point<dim> &point) {
-                        std::copy_n(&point[0], dim, position.node(partition->local_index(number)));
-                      });
-      position.update_ghosts();
+      position = initial_positions(*nodes, partition);
       conditions->update_areas(position);
     }
 
     NodalVector vector(const Quantity quantity = Quantity::vector) const
     {
-      NodalVector result(partition, quantity);
-      return result;
+      return NodalVector(partition, quantity);
     }
 
     /** A temperature from a function of the initial position, ghosts too. */
@@ -442,24 +434,25 @@ TEST(ThermalConditions, values_that_cannot_be_are_refused)
         heat);
   };
   EXPECT_EQ(radiating("1", "0", "1e-8", celsius), "");
-  EXPECT_TRUE(
-      contains(radiating("1.1", "0", "1e-8", celsius),
-               "Condition: a/Emissivity\" = \"1.1\": allowed is an emissivity from 0 to 1"));
-  EXPECT_TRUE(contains(radiating("-0.1 + 0*t", "0", "1e-8", celsius), "Condition: a/Emissivity"));
-  EXPECT_TRUE(contains(radiating("z/2", "0", "1e-8", celsius), "Condition: a/Emissivity"));
-  EXPECT_TRUE(
-      contains(radiating("1", "-300", "1e-8", celsius),
-               "Condition: a/Ambient temperature\" = \"-300\": allowed is a temperature not "
-               "below absolute zero, which is -273.15, but it is -300"));
-  EXPECT_TRUE(contains(radiating("1", "-300*y", "1e-8", celsius), "Ambient temperature"));
-  EXPECT_TRUE(contains(radiating("1", "0", "-1e-8", celsius),
-                       "Condition: a/Stefan-Boltzmann constant\" = \"-1e-8\": allowed is a number "
-                       "larger than zero"));
-  EXPECT_TRUE(contains(radiating("1", "0", "1e-8", ""),
-                       "entry \"Condition: a/Type\" = \"radiation\": radiation needs absolute "
-                       "temperatures: `Absolute zero`"));
-  EXPECT_TRUE(contains(radiating("1", "0", "1e-8", "set Absolute zero = cold"),
-                       "entry \"Heat/Absolute zero\" = \"cold\": allowed is a number"));
+  const std::string cases[][5] = {
+      {"1.1", "0", "1e-8", celsius,
+       "Condition: a/Emissivity\" = \"1.1\": allowed is an emissivity from 0 to 1"},
+      {"-0.1 + 0*t", "0", "1e-8", celsius, "Condition: a/Emissivity"},
+      {"z/2", "0", "1e-8", celsius, "Condition: a/Emissivity"},
+      {"1", "-300", "1e-8", celsius,
+       "Condition: a/Ambient temperature\" = \"-300\": allowed is a temperature not below absolute "
+       "zero, which is -273.15, but it is -300"},
+      {"1", "-300*y", "1e-8", celsius, "Ambient temperature"},
+      {"1", "0", "-1e-8", celsius,
+       "Condition: a/Stefan-Boltzmann constant\" = \"-1e-8\": allowed is a number larger than "
+       "zero"},
+      {"1", "0", "1e-8", "",
+       "entry \"Condition: a/Type\" = \"radiation\": radiation needs absolute "
+       "temperatures: `Absolute zero`"},
+      {"1", "0", "1e-8", "set Absolute zero = cold",
+       "entry \"Heat/Absolute zero\" = \"cold\": allowed is a number"}};
+  for (const auto &[emissivity, ambient, constant, heat, message] : cases)
+    EXPECT_TRUE(contains(radiating(emissivity, ambient, constant, heat), message));
 }
 
 TEST(ThermalConditions, missing_entries_are_refused)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "material_testing.h"
+#include "text_testing.h"
 
 #include <gtest/gtest.h>
 
@@ -383,17 +384,10 @@ namespace tombolo
       void expect_refusal(const std::string &model, const std::string &entries,
                           const std::string &heat_entries, const std::string &expected)
       {
-        try
-        {
-          make_plugin<Material>(model, entries, heat_entries);
-          ADD_FAILURE() << entries << "was not refused";
-        }
-        catch (const InputError &error)
-        {
-          const std::string message = error.what();
-          EXPECT_NE(message.find(expected), std::string::npos) << message;
-          EXPECT_NE(message.find(".prm:"), std::string::npos) << message;
-        }
+        const std::string message =
+            input_error([&] { make_plugin<Material>(model, entries, heat_entries); });
+        EXPECT_TRUE(contains(message, expected)) << entries;
+        EXPECT_TRUE(contains(message, ".prm:"));
       }
 
       TEST(BadThermalMaterial, what_needs_a_temperature_needs_the_section_heat)

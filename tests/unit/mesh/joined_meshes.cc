@@ -211,17 +211,11 @@ TEST(JoinedMeshes, may_touch_and_not_overlap)
   EXPECT_EQ(error("1, 1", "2, 2"), "");
   EXPECT_EQ(error("4, 4", "1.97, 1.97"), "");
   // No centre of a cell is in the other mesh.
+  const std::string overlap = "the meshes \"a\" and \"b\" overlap: the cell of the first one at ";
   EXPECT_TRUE(contains(error("1, 1", "1.6, 1.6"),
-                       "the meshes \"a\" and \"b\" overlap: the cell of the first one at (1.5, "
-                       "1.5) goes into a cell of the other one"));
-  EXPECT_TRUE(contains(error("1, 1", "1.25, 1"),
-                       "the meshes \"a\" and \"b\" overlap: the cell of the first one at (1.5, "
-                       "1.5)"));
+                       overlap + "(1.5, 1.5) goes into a cell of the other one"));
+  EXPECT_TRUE(contains(error("1, 1", "1.25, 1"), overlap + "(1.5, 1.5)"));
   // Small cells at the edge of a large one.
-  EXPECT_TRUE(contains(error("4, 4", "1.75, 1"),
-                       "the meshes \"a\" and \"b\" overlap: the cell of the first one at (1.5, "
-                       "1.5)"));
-  EXPECT_TRUE(contains(error("1, 1", "-0.25, -0.25"),
-                       "the meshes \"a\" and \"b\" overlap: the cell of the first one at (0.5, "
-                       "0.5)"));
+  EXPECT_TRUE(contains(error("4, 4", "1.75, 1"), overlap + "(1.5, 1.5)"));
+  EXPECT_TRUE(contains(error("1, 1", "-0.25, -0.25"), overlap + "(0.5, 0.5)"));
 }

@@ -148,24 +148,23 @@ namespace
 
   TEST(MeshRefinement, refuses_what_is_no_refinement)
   {
-    EXPECT_TRUE(contains(refused("set Refine where = x < -1"),
-                         "This is true at the centre of none of the 125 cells of the source"));
-    EXPECT_TRUE(contains(refused("set Refine where = x < 1; y > 7\nset Refinement levels = 1; 1"),
-                         "Predicate 2 is true at the centre of none"));
-    EXPECT_TRUE(contains(refused("set Refine where = x < 1\nset Refinement levels = 0"),
-                         "Allowed is a whole number from 1 to 12: the mesh of the source is the "
-                         "coarsest"));
-    EXPECT_TRUE(contains(refused("set Refine where = x < 1\nset Refinement levels = -1"),
-                         "\"-1\" is not a number of levels"));
-    EXPECT_TRUE(contains(refused("set Refine where = x < 1; y < 1\nset Refinement levels = 2"),
-                         "There must be a number for each predicate of `Refine where`, separated "
-                         "by \";\": 2, found 1."));
-    EXPECT_TRUE(contains(refused("set Refine where = x < t"), "cannot depend on t"));
-    EXPECT_TRUE(contains(refused("set Refine where = x - 1"), "compared with nothing"));
-    EXPECT_TRUE(contains(refused("set Refine where = x <"), "this is not an expression"));
-    EXPECT_TRUE(contains(refused("set Refine where = (x < 1) + 0/(x - 0.5)"), "is not finite"));
-    EXPECT_TRUE(contains(refused("set Refine where = x < 9\nset Refinement levels = 13"),
-                         "there would be 13 below its coarse cells, and at most 12 are possible"));
+    const char *const cases[][2] = {
+        {"x < -1", "This is true at the centre of none of the 125 cells of the source"},
+        {"x < 1; y > 7\nset Refinement levels = 1; 1", "Predicate 2 is true at the centre of none"},
+        {"x < 1\nset Refinement levels = 0",
+         "Allowed is a whole number from 1 to 12: the mesh of the source is the coarsest"},
+        {"x < 1\nset Refinement levels = -1", "\"-1\" is not a number of levels"},
+        {"x < 1; y < 1\nset Refinement levels = 2",
+         "There must be a number for each predicate of `Refine where`, separated by \";\": 2, "
+         "found 1."},
+        {"x < t", "cannot depend on t"},
+        {"x - 1", "compared with nothing"},
+        {"x <", "this is not an expression"},
+        {"(x < 1) + 0/(x - 0.5)", "is not finite"},
+        {"x < 9\nset Refinement levels = 13",
+         "there would be 13 below its coarse cells, and at most 12 are possible"}};
+    for (const auto &[entries, message] : cases)
+      EXPECT_TRUE(contains(refused(std::string("set Refine where = ") + entries), message));
   }
 
   TEST(MeshRefinement, refuses_levels_that_exceed_memory_before_it_refines)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
 #include "frozen_body.h"
+#include "text_testing.h"
 
 #include <tombolo/model/trial.h>
 
@@ -21,22 +22,16 @@ namespace tombolo
         block.formulation = formulation;
         block.options = options;
         block.cells = {3, 2, 2};
-        std::string text = parameters_of(block);
-        const std::string elastic = "set Model = elastic\nsubsection elastic\n";
-        const std::size_t position = text.find(elastic);
-        AssertThrow(position != std::string::npos, dealii::ExcMessage("no material"));
-        return text.replace(position, elastic.size(),
-                            "set Model = j2 plasticity\nsubsection j2 plasticity\nset Flow stress "
-                            "= linear hardening\nsubsection linear hardening\nset Yield stress = "
-                            "0.002\nset Hardening modulus = 0.02\nend\n");
+        return changed(parameters_of(block), "set Model = elastic\nsubsection elastic\n",
+                       "set Model = j2 plasticity\nsubsection j2 plasticity\nset Flow stress "
+                       "= linear hardening\nsubsection linear hardening\nset Yield stress = "
+                       "0.002\nset Hardening modulus = 0.02\nend\n");
       }
 
       /** The forces of a body that is sheared by @p shear within a step. */
       std::vector<double> forces(Model<3> &model, const double shear)
       {
-        NodalVector velocity, force;
-        velocity.reinit(model.state.partition());
-        force.reinit(model.state.partition());
+        NodalVector velocity(model.state.partition()), force(model.state.partition());
         for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
         {
           const double *const x = model.state.initial_position.node(i);

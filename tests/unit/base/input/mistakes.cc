@@ -15,6 +15,7 @@ namespace
   using namespace tombolo;
   using dealii::ParameterHandler;
   using tombolo::testing::contains;
+  using tombolo::testing::input_error;
   namespace Patterns = dealii::Patterns;
 
   void declare_shapes(ParameterHandler &handler)
@@ -31,35 +32,31 @@ namespace
   /** All that is wrong with a text that is read to its end. */
   std::string mistakes_in(const std::string &text, const std::vector<std::string> &overrides = {})
   {
-    try
-    {
-      Parameters parameters(MPI_COMM_WORLD);
-      parameters.collect_mistakes();
-      parameters.read_text(text, "case.prm");
-      for (const std::string &override : overrides)
-        parameters.attempt([&] { parameters.add_override(override); });
-      declare_shapes(parameters.handler());
-      parameters.raw_list("Parts");
-      parameters.assign();
-      const Section root = parameters.section("");
-      for (const char *const entry : {"Parts", "Steps", "Height", "Radius", "Length"})
-        parameters.attempt([&] { root.get(entry); });
-      parameters.attempt(
-          [&]
-          {
-            const double height = root.get_positive("Height");
-            if (height < root.get_double("Radius"))
-              root.fail("Height", "it is too low.");
-          });
-      parameters.attempt([&] { root.subsection("Mesh").get("Type"); });
-      parameters.refuse_unused();
-      parameters.refuse_mistakes();
-    }
-    catch (const InputError &error)
-    {
-      return error.what();
-    }
-    return "";
+    return input_error(
+        [&]
+        {
+          Parameters parameters(MPI_COMM_WORLD);
+          parameters.collect_mistakes();
+          parameters.read_text(text, "case.prm");
+          for (const std::string &override : overrides)
+            parameters.attempt([&] { parameters.add_override(override); });
+          declare_shapes(parameters.handler());
+          parameters.raw_list("Parts");
+          parameters.assign();
+          const Section root = parameters.section("");
+          for (const char *const entry : {"Parts", "Steps", "Height", "Radius", "Length"})
+            parameters.attempt([&] { root.get(entry); });
+          parameters.attempt(
+              [&]
+              {
+                const double height = root.get_positive("Height");
+                if (height < root.get_double("Radius"))
+                  root.fail("Height", "it is too low.");
+              });
+          parameters.attempt([&] { root.subsection("Mesh").get("Type"); });
+          parameters.refuse_unused();
+          parameters.refuse_mistakes();
+        });
   }
 
   const std::string sizes = "set Height = 3\nset Radius = 2\nset Length = 1\n";

@@ -19,6 +19,7 @@ namespace
   using namespace tombolo;
   using dealii::ParameterHandler;
   using tombolo::testing::contains;
+  using tombolo::testing::input_error;
   namespace Patterns = dealii::Patterns;
 
   /** What a small program would declare. */
@@ -63,28 +64,14 @@ namespace
     }
   };
 
-  template <typename Action>
-  std::string message_of(const Action &action)
-  {
-    try
-    {
-      action();
-    }
-    catch (const InputError &error)
-    {
-      return error.what();
-    }
-    return "(nothing was refused)";
-  }
-
   std::string refusal(const std::string &text, const std::vector<std::string> &overrides = {})
   {
-    return message_of([&] { Assigned parameters(text, overrides); });
+    return input_error([&] { Assigned parameters(text, overrides); });
   }
 
   std::string scanner_refusal(const std::string &text)
   {
-    return message_of(
+    return input_error(
         [&]
         {
           Parameters parameters(MPI_COMM_WORLD);
@@ -136,7 +123,7 @@ namespace
 
     static std::string reading(const std::string &name)
     {
-      return message_of(
+      return input_error(
           [&]
           {
             Parameters parameters(MPI_COMM_WORLD);
@@ -242,12 +229,12 @@ namespace
   {
     const Assigned parameters("set Steps = 1\nsubsection Mesh\nset Type = box\nend\n");
     const std::string message =
-        message_of([&] { parameters.section("Mesh/cylinder").get_double("Radius"); });
+        input_error([&] { parameters.section("Mesh/cylinder").get_double("Radius"); });
     EXPECT_TRUE(begins_with(message, "case.prm:2: section \"Mesh/cylinder\": the entry \"Radius\" "
                                      "is missing."));
     EXPECT_TRUE(contains(message, "Its radius."));
     EXPECT_TRUE(contains(message, "Allowed is a number."));
-    const std::string at_root = message_of([&] { parameters.section("").get("End time"); });
+    const std::string at_root = input_error([&] { parameters.section("").get("End time"); });
     EXPECT_TRUE(begins_with(at_root, "case.prm: the entry \"End time\" is missing."));
   }
 
@@ -256,23 +243,23 @@ namespace
     const Assigned parameters("set Steps = 3\nset Title = -1\nset Parts = a,,b\n"
                               "subsection Part: layer 0.5\nset Dilation = -1\nend\n");
     const Section root = parameters.section("");
-    EXPECT_EQ(message_of([&] { root.get_unsigned("Title"); }),
+    EXPECT_EQ(input_error([&] { root.get_unsigned("Title"); }),
               "case.prm:2: entry \"Title\" = \"-1\": allowed is a whole number from 0 to "
               "4294967295.");
-    EXPECT_EQ(message_of([&] { root.get_bool("Title"); }),
+    EXPECT_EQ(input_error([&] { root.get_bool("Title"); }),
               "case.prm:2: entry \"Title\" = \"-1\": allowed is \"true\" or \"false\".");
-    EXPECT_EQ(message_of([&] { root.get_positive("Title"); }),
+    EXPECT_EQ(input_error([&] { root.get_positive("Title"); }),
               "case.prm:2: entry \"Title\" = \"-1\": allowed is a number larger than zero.");
-    EXPECT_EQ(message_of([&] { root.get_double("Parts"); }),
+    EXPECT_EQ(input_error([&] { root.get_double("Parts"); }),
               "case.prm:3: entry \"Parts\" = \"a,,b\": allowed is a number.");
-    EXPECT_TRUE(contains(message_of([&] { root.get_list("Parts"); }), "an item is missing"));
-    EXPECT_TRUE(contains(message_of([&] { parameters.raw_list("Parts"); }), "a name is missing"));
-    EXPECT_EQ(message_of([&] { root.subsection("Mesh").subsection("box").fail("Cells", "no."); }),
+    EXPECT_TRUE(contains(input_error([&] { root.get_list("Parts"); }), "an item is missing"));
+    EXPECT_TRUE(contains(input_error([&] { parameters.raw_list("Parts"); }), "a name is missing"));
+    EXPECT_EQ(input_error([&] { root.subsection("Mesh").subsection("box").fail("Cells", "no."); }),
               "case.prm: entry \"Mesh/box/Cells\" = \"1, 1\" (its default): no.");
-    EXPECT_EQ(message_of([&] { root.subsection("Part: layer 0.5").fail("", "no."); }),
+    EXPECT_EQ(input_error([&] { root.subsection("Part: layer 0.5").fail("", "no."); }),
               "case.prm:4: section \"Part: layer 0.5\": no.");
     EXPECT_TRUE(
-        contains(message_of([] { Assigned("set Parts = a, b, a").raw_list("Parts"); }),
+        contains(input_error([] { Assigned("set Parts = a, b, a").raw_list("Parts"); }),
                  "case.prm:1: entry \"Parts\" = \"a, b, a\": the name \"a\" stands twice."));
   }
 
@@ -342,7 +329,7 @@ namespace
     for (unsigned int i = 0; i < 30; ++i)
       many += std::string(5000, 'x') + "\\\n";
     EXPECT_TRUE(contains(scanner_refusal(many + "x"), "and those that continue it"));
-    EXPECT_EQ(scanner_refusal("\xef\xbb\xbfset A = γ ∇φ 😀\r\n"), "(nothing was refused)");
+    EXPECT_EQ(scanner_refusal("\xef\xbb\xbfset A = γ ∇φ 😀\r\n"), "");
 
     // Bytes of a fixed linear congruence: whatever they are, they are refused or read, no more.
     std::uint32_t state = 1;
@@ -365,7 +352,7 @@ namespace
     EXPECT_EQ(parameters.section("Mesh/box").get_double("Spacing"), 2.);
     EXPECT_EQ(parameters.raw("Steps"), "6");
     EXPECT_EQ(parameters.location("Steps").file, "--set");
-    EXPECT_EQ(message_of([&] { parameters.fail("Steps", "no."); }), "--set \"Steps = 6\": no.");
+    EXPECT_EQ(input_error([&] { parameters.fail("Steps", "no."); }), "--set \"Steps = 6\": no.");
 
     EXPECT_EQ(refusal("", {"Steps = 0"}),
               "--set \"Steps = 0\": allowed is a whole number of at least 1.");
@@ -388,21 +375,21 @@ namespace
                               "cylinder\n  set Radius = 1\n  set value = 3\n end\nend\n");
     parameters.section("").get("Steps");
     parameters.section("Mesh").get("Type");
-    const std::string message = message_of([&] { parameters.refuse_unused(); });
+    const std::string message = input_error([&] { parameters.refuse_unused(); });
     EXPECT_TRUE(begins_with(message, "case.prm:5: entry \"Mesh/cylinder/Radius\" = \"1\" has no "
                                      "effect here: section \"Mesh/cylinder\" is read only with "
                                      "\"Mesh/Type\" = \"cylinder\", but it is \"box\" "
                                      "(case.prm:3)."));
     EXPECT_TRUE(contains(message, "2 entries have no effect"));
     parameters.section("Mesh/cylinder").get("Radius");
-    EXPECT_TRUE(begins_with(message_of([&] { parameters.refuse_unused(); }),
+    EXPECT_TRUE(begins_with(input_error([&] { parameters.refuse_unused(); }),
                             "case.prm:6: entry \"Mesh/cylinder/value\" = \"3\" has no effect here: "
                             "nothing reads it"));
     EXPECT_EQ(parameters.section("Mesh/cylinder").get_double("value"), 3.);
     parameters.refuse_unused();
 
     const Assigned overridden("", {"Mesh/cylinder/Radius = 2"});
-    EXPECT_TRUE(contains(message_of([&] { overridden.refuse_unused(); }),
+    EXPECT_TRUE(contains(input_error([&] { overridden.refuse_unused(); }),
                          "--set \"Mesh/cylinder/Radius = 2\" has no effect here"));
   }
 
@@ -449,7 +436,7 @@ namespace
       return parameters.section("").get_unsigned("Steps");
     };
     EXPECT_EQ(steps_with("4"), 4u);
-    EXPECT_TRUE(begins_with(message_of([&] { steps_with("-4"); }),
+    EXPECT_TRUE(begins_with(input_error([&] { steps_with("-4"); }),
                             files.path("main.prm") + ":2: entry \"Steps\" = \"-4\""));
   }
 
@@ -575,7 +562,7 @@ namespace
                                                   "  }\n"
                                                   "}\n");
     EXPECT_TRUE(contains(printed(parameters, "xml", true), "<ParameterHandler>"));
-    EXPECT_TRUE(contains(message_of([&] { printed(parameters, "yaml", true); }), "\"yaml\""));
+    EXPECT_TRUE(contains(input_error([&] { printed(parameters, "yaml", true); }), "\"yaml\""));
   }
 
   TEST(Parameters, markdown_has_all_declarations_and_no_values)
@@ -601,12 +588,12 @@ namespace
       text += "γ";
     const std::string shown = in_quotes(text);
     EXPECT_LT(shown.size(), 200u);
-    EXPECT_EQ(message_of(
+    EXPECT_EQ(input_error(
                   [&]
                   {
                     Parameters parameters(MPI_COMM_WORLD);
                     parameters.read_text("set A = " + shown, "case.prm");
                   }),
-              "(nothing was refused)");
+              "");
   }
 } // namespace

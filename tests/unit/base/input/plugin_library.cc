@@ -18,6 +18,7 @@ namespace
 {
   using namespace tombolo;
   using tombolo::testing::contains;
+  using tombolo::testing::input_error;
 
   /** The directory that tests/plugin_library/tests.cmake builds the libraries in. */
   std::string directory()
@@ -31,15 +32,7 @@ namespace
   {
     Parameters parameters(MPI_COMM_WORLD);
     parameters.read_text("\nset Plugin libraries = " + names + "\n", directory() + "/case.prm");
-    try
-    {
-      load_plugin_libraries(parameters, MPI_COMM_WORLD);
-    }
-    catch (const InputError &error)
-    {
-      return error.what();
-    }
-    return "";
+    return input_error([&] { load_plugin_libraries(parameters, MPI_COMM_WORLD); });
   }
 
   TEST(PluginLibrary, library_beside_the_parameter_file_adds_its_plugins_once)

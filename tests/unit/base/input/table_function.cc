@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/table_function.h>
 
+#include "text_testing.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +10,7 @@
 #include <stdexcept>
 
 using namespace tombolo;
+using tombolo::testing::contains;
 
 namespace
 {
@@ -75,6 +78,6 @@ TEST(TableCalls, without_a_file_or_an_argument_are_a_problem)
 {
   for (const std::string text :
        {"table(t)", "table(a.csv, )", "table(, t)", "table(a.csv, t", "table()"})
-    EXPECT_NE(TableCalls(text).problem.find("table(FILE, ARGUMENT)"), std::string::npos) << text;
+    EXPECT_TRUE(contains(TableCalls(text).problem, "table(FILE, ARGUMENT)")) << text;
   EXPECT_EQ(TableCalls("table + x").text, "table + x");
 }

@@ -2,6 +2,7 @@
 // ranks: 1 3
 #include "frozen_body.h"
 #include "static_solution.h"
+#include "text_testing.h"
 
 #include <gtest/gtest.h>
 
@@ -24,14 +25,11 @@ namespace
     block.cells = cells;
     block.poisson = poisson;
     block.options = options;
-    std::string text = parameters_of(block);
-    const std::string type = "set Type = box\n", model = "set Model = elastic\n";
-    text.insert(text.find(type) + type.size(), refinement + "\n");
-    text.insert(
-        text.find(model) + model.size(),
-        "subsection Heat\nset Specific heat capacity = 1\nset Conductivity = 1\nset Initial "
-        "temperature = 0\nend\n");
-    return text;
+    return changed(
+        changed(parameters_of(block), "set Type = box\n", "set Type = box\n" + refinement + "\n"),
+        "set Model = elastic\n",
+        "set Model = elastic\nsubsection Heat\nset Specific heat capacity = 1\nset Conductivity = "
+        "1\nset Initial temperature = 0\nend\n");
   }
 
   template <int dim>
