@@ -31,6 +31,15 @@ namespace
         std::filesystem::remove_all(path);
     }
 
+    /** The path of a file in it. Makes the directory. Collective. */
+    std::string create(const std::string &file) const
+    {
+      if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+        std::filesystem::create_directories(path);
+      MPI_Barrier(MPI_COMM_WORLD);
+      return path + "/" + file;
+    }
+
     const std::string path;
   };
 

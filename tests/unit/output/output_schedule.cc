@@ -3,11 +3,15 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/output/output_schedule.h>
 
+#include "text_testing.h"
+
 #include <gtest/gtest.h>
 
 #include <limits>
 
 using namespace tombolo;
+using tombolo::testing::contains;
+using tombolo::testing::input_error;
 
 namespace
 {
@@ -24,15 +28,7 @@ namespace
 
   std::string message_of(const std::string &text)
   {
-    try
-    {
-      schedule_of(text);
-    }
-    catch (const InputError &error)
-    {
-      return error.what();
-    }
-    return "";
+    return input_error([&] { schedule_of(text); });
   }
 
   using Times = std::vector<double>;
@@ -80,12 +76,11 @@ TEST(OutputSchedule, next_time_is_exact_and_passes_times_that_were_stepped_over)
 TEST(OutputSchedule, contradicting_or_useless_entries_are_refused_with_their_place)
 {
   const std::string both = message_of("set Times = 1\nset Interval = 2\n");
-  EXPECT_NE(both.find("test.prm:3"), std::string::npos) << both;
-  EXPECT_NE(both.find("only one of"), std::string::npos) << both;
-  EXPECT_NE(message_of("set Times = 1, 21\n").find("the time 21 is not between"),
-            std::string::npos);
-  EXPECT_NE(message_of("set Times = 3, 1, 3\n").find("the time 3 stands twice"), std::string::npos);
-  EXPECT_NE(message_of("set Interval = 1e-9\n").find("at most 1000000"), std::string::npos);
+  EXPECT_TRUE(contains(both, "test.prm:3"));
+  EXPECT_TRUE(contains(both, "only one of"));
+  EXPECT_TRUE(contains(message_of("set Times = 1, 21\n"), "the time 21 is not between"));
+  EXPECT_TRUE(contains(message_of("set Times = 3, 1, 3\n"), "the time 3 stands twice"));
+  EXPECT_TRUE(contains(message_of("set Interval = 1e-9\n"), "at most 1000000"));
   EXPECT_NE(message_of("set Interval = -1\n"), "");
 }
 
@@ -115,6 +110,5 @@ TEST(OutputSchedule, statistics_have_no_rows_of_their_own_without_an_interval)
   OutputSchedule schedule = schedule_of("set Number = 4\n");
   schedule.resume_statistics(1.);
   EXPECT_FALSE(schedule.take_statistics_due(10.));
-  EXPECT_NE(message_of("set Statistics interval = 1e-6\n").find("at most 1000000"),
-            std::string::npos);
+  EXPECT_TRUE(contains(message_of("set Statistics interval = 1e-6\n"), "at most 1000000"));
 }

@@ -13,26 +13,25 @@
 
 #include "output/mock_scene.h"
 #include "output_test_directory.h"
+#include "text_testing.h"
 
 using namespace tombolo;
+using tombolo::testing::contains;
+using tombolo::testing::input_error;
 
 namespace
 {
   template <int dim>
   std::string message_of(const std::string &text)
   {
-    try
-    {
-      const mock::Model<dim> model(1, 2, false);
-      mock::OutputsOf<dim> outputs("set Write solution = false\nsubsection probes\n" + text +
-                                   "end\n");
-      outputs.outputs.at(0)->check(model.view(0, 0));
-    }
-    catch (const InputError &error)
-    {
-      return error.what();
-    }
-    return "";
+    return input_error(
+        [&]
+        {
+          const mock::Model<dim> model(1, 2, false);
+          mock::OutputsOf<dim> outputs("set Write solution = false\nsubsection probes\n" + text +
+                                       "end\n");
+          outputs.outputs.at(0)->check(model.view(0, 0));
+        });
   }
 
   /** What probes.csv holds after steps of 0.1 from 0 to 1. */
@@ -140,7 +139,7 @@ TEST(Probes, nodes_that_are_not_there_are_refused)
   const auto refuses = [](const std::string &text, const std::string &words)
   {
     const std::string message = message_of<2>(text);
-    EXPECT_NE(message.find(words), std::string::npos) << message;
+    EXPECT_TRUE(contains(message, words));
   };
   refuses("set Nodes = 123456789\n", "there is no node with the number 123456789");
   refuses("set Nodes = 1.5\n", "\"1.5\" is not the number of a node");
@@ -156,9 +155,8 @@ TEST(Probes, columns_are_those_that_are_named)
   EXPECT_EQ(lines[0], "time [T],step,tip velocity x [L/T],tip velocity y [L/T],"
                       "probe 2 position y [L]");
   EXPECT_EQ(std::count(lines[1].begin(), lines[1].end(), ','), 4);
-  EXPECT_NE(message_of<2>(tip + "set Columns = tip speed x\n")
-                .find("probes.csv has no column \"tip speed x\""),
-            std::string::npos);
+  EXPECT_TRUE(contains(message_of<2>(tip + "set Columns = tip speed x\n"),
+                       "probes.csv has no column \"tip speed x\""));
 }
 
 TEST(Probes, node_does_not_depend_on_ranks_where_several_are_equally_near)
@@ -197,16 +195,15 @@ TEST(Probes, node_does_not_depend_on_ranks_where_several_are_equally_near)
 TEST(Probes, unusable_locations_are_refused_with_their_place)
 {
   const std::string outside = message_of<2>("set Locations = tip: 40, 1\n");
-  EXPECT_NE(outside.find("output.prm:4"), std::string::npos) << outside;
-  EXPECT_NE(outside.find("(40, 1)"), std::string::npos) << outside;
-  EXPECT_NE(outside.find("outside of the body"), std::string::npos) << outside;
+  EXPECT_TRUE(contains(outside, "output.prm:4"));
+  EXPECT_TRUE(contains(outside, "(40, 1)"));
+  EXPECT_TRUE(contains(outside, "outside of the body"));
   EXPECT_NE(message_of<3>("set Locations = 4, 1\n").find("has 2 coordinates; 3 are needed"),
             std::string::npos);
-  EXPECT_NE(message_of<2>("set Locations = 4, one\n").find("\"one\" in \"4, one\" is not a number"),
-            std::string::npos);
+  EXPECT_TRUE(
+      contains(message_of<2>("set Locations = 4, one\n"), "\"one\" in \"4, one\" is not a number"));
   EXPECT_NE(message_of<2>("set Locations = a: 0, 0; a: 1, 1\n").find("two probes are called \"a\""),
             std::string::npos);
-  EXPECT_NE(
-      message_of<2>("set Locations = 0, 0\nset Steps = 2\nset Interval = 1\n").find("only one of"),
-      std::string::npos);
+  EXPECT_TRUE(contains(message_of<2>("set Locations = 0, 0\nset Steps = 2\nset Interval = 1\n"),
+                       "only one of"));
 }

@@ -18,8 +18,11 @@
 #include <sstream>
 
 #include "output_test_directory.h"
+#include "text_testing.h"
 
 using namespace tombolo;
+using tombolo::testing::contains;
+using tombolo::testing::input_error;
 
 namespace
 {
@@ -34,15 +37,7 @@ namespace
 
   std::string message_of_labels(const std::string &text)
   {
-    try
-    {
-      labels_of(text);
-    }
-    catch (const InputError &error)
-    {
-      return error.what();
-    }
-    return "";
+    return input_error([&] { labels_of(text); });
   }
 
   void serialize(TimeTable &table, StateArchive &archive)
@@ -275,10 +270,10 @@ TEST(UnitLabels, names_are_put_into_derived_units)
 TEST(UnitLabels, unknown_quantity_is_refused_with_the_nearest_name)
 {
   const std::string message = message_of_labels("lenght: mm");
-  EXPECT_NE(message.find("test.prm:1"), std::string::npos) << message;
-  EXPECT_NE(message.find("\"length\""), std::string::npos) << message;
-  EXPECT_NE(message_of_labels("length = mm").find("quantity: name"), std::string::npos);
-  EXPECT_NE(message_of_labels("time: s, time: ms").find("twice"), std::string::npos);
+  EXPECT_TRUE(contains(message, "test.prm:1"));
+  EXPECT_TRUE(contains(message, "\"length\""));
+  EXPECT_TRUE(contains(message_of_labels("length = mm"), "quantity: name"));
+  EXPECT_TRUE(contains(message_of_labels("time: s, time: ms"), "twice"));
 }
 
 TEST(OutputDirectory, place_that_cannot_be_written_is_refused_with_entry_and_place)
@@ -293,24 +288,18 @@ TEST(OutputDirectory, place_that_cannot_be_written_is_refused_with_entry_and_pla
     parameters.read_text("\nset Output directory = " + path + "\n", "test.prm");
     parameters.handler().declare_entry("Output directory", "output");
     parameters.assign();
-    try
-    {
-      OutputDirectory refused(parameters.section(""), "Output directory", MPI_COMM_WORLD);
-    }
-    catch (const InputError &error)
-    {
-      return std::string(error.what());
-    }
-    return std::string();
+    return input_error(
+        [&]
+        { OutputDirectory refused(parameters.section(""), "Output directory", MPI_COMM_WORLD); });
   };
   const std::string is_file = message_for(directory.file("file"));
-  EXPECT_NE(is_file.find("test.prm:2"), std::string::npos) << is_file;
-  EXPECT_NE(is_file.find("Output directory"), std::string::npos) << is_file;
-  EXPECT_NE(is_file.find("is a file"), std::string::npos) << is_file;
-  EXPECT_NE(message_for(directory.file("file/below")).find("there can be no directory in it"),
-            std::string::npos);
+  EXPECT_TRUE(contains(is_file, "test.prm:2"));
+  EXPECT_TRUE(contains(is_file, "Output directory"));
+  EXPECT_TRUE(contains(is_file, "is a file"));
+  EXPECT_TRUE(
+      contains(message_for(directory.file("file/below")), "there can be no directory in it"));
   // Not even root can create a directory here.
-  EXPECT_NE(message_for("/proc/tombolo_output").find("cannot create"), std::string::npos);
+  EXPECT_TRUE(contains(message_for("/proc/tombolo_output"), "cannot create"));
 }
 
 TEST(OutputDirectory, file_that_fails_leaves_the_former_one_and_throws_on_every_rank)
@@ -404,13 +393,13 @@ TEST(Log, progress_is_redrawn_on_a_terminal_and_a_line_per_output_elsewhere)
   };
   const std::string pipe = screen_text(false, false);
   EXPECT_EQ(std::count(pipe.begin(), pipe.end(), '\n'), 3) << pipe;
-  EXPECT_NE(pipe.find(" 25.0 %  t = 2  step 20  "), std::string::npos) << pipe;
+  EXPECT_TRUE(contains(pipe, " 25.0 %  t = 2  step 20  "));
   EXPECT_EQ(pipe.find('\r'), std::string::npos);
 
   const std::string terminal = screen_text(false, true);
   EXPECT_EQ(std::count(terminal.begin(), terminal.end(), '\n'), 2) << terminal;
-  EXPECT_NE(terminal.find("\r\x1b[Ktext\n"), std::string::npos) << terminal;
-  EXPECT_NE(terminal.find("\r 50.0 %"), std::string::npos) << terminal;
+  EXPECT_TRUE(contains(terminal, "\r\x1b[Ktext\n"));
+  EXPECT_TRUE(contains(terminal, "\r 50.0 %"));
 
   EXPECT_EQ(screen_text(true, true), "text\n");
   EXPECT_EQ(screen_text(true, false), "text\n");
@@ -425,8 +414,8 @@ TEST(Log, progress_of_a_resumed_run_counts_the_whole)
   log.start_progress(1000, 4., 8., 40);
   log.progress({4., 40, 0.1, "energy", 1e-5}, true);
   log.progress({6., 60, 0.1, "energy", 1e-5}, true);
-  EXPECT_NE(screen.str().find(" 50.0 %  t = 4  step 40  "), std::string::npos) << screen.str();
-  EXPECT_NE(screen.str().find(" 75.0 %  t = 6  step 60  "), std::string::npos) << screen.str();
+  EXPECT_TRUE(contains(screen.str(), " 50.0 %  t = 4  step 40  "));
+  EXPECT_TRUE(contains(screen.str(), " 75.0 %  t = 6  step 60  "));
 }
 
 TEST(Log, long_times_without_an_output_have_lines_of_their_own)
