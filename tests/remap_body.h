@@ -283,9 +283,7 @@ namespace tombolo
       /** The remap of the field within its former bounds. */
       void move_within_bounds(const Motion &motion)
       {
-        NodalVector next, before;
-        next.reinit(partition);
-        before.reinit(partition);
+        NodalVector next(partition), before(partition);
         put(motion, next);
         before.copy_from(field);
         before.update_ghosts();

@@ -3,6 +3,7 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/remesh/inner_positions.h>
 
+#include "dimensions.h"
 #include "plugin_interpolated_remap/cloud_interpolation.h"
 #include "remap_body.h"
 
@@ -16,6 +17,11 @@ namespace
   using namespace tombolo::testing;
   using namespace dealii;
 
+  template <typename>
+  class RemapOfDimension : public ::testing::Test
+  {};
+  TYPED_TEST_SUITE(RemapOfDimension, Dimensions);
+
   template <int dim>
   void expect_no_bit_of_an_identity(const bool by_interpolation)
   {
@@ -25,8 +31,7 @@ namespace
     body.set_field(rough<dim>);
     body.set_points(rough<dim>);
     const PointValues before = body.points;
-    NodalVector field(body.partition, Quantity::scalars);
-    field.copy_from(body.field);
+    NodalVector field = body.field.copy();
     if (by_interpolation)
       body.interpolate(motion);
     else
@@ -75,9 +80,9 @@ namespace
     }
   }
 
-  template <int dim>
-  void expect_linear_points_by_interpolation()
+  TYPED_TEST(RemapOfDimension, by_interpolation_reproduces_linear_fields_of_points)
   {
+    constexpr int dim = TypeParam::value;
     RemapBody<dim> body(block<dim>());
     body.start(body.disorder(0.2, 1), uniform<dim>);
     const auto shares = corner_shares_of_points<dim>(SmoothedIntegrationRule::smoothed);
@@ -115,15 +120,9 @@ namespace
     EXPECT_LE(body.largest([&] { return error; }), 1e-5);
   }
 
-  TEST(Remap, by_interpolation_reproduces_linear_fields_of_points)
+  TYPED_TEST(RemapOfDimension, keeps_mass_momentum_and_sums_of_points_and_all_bounds)
   {
-    expect_linear_points_by_interpolation<2>();
-    expect_linear_points_by_interpolation<3>();
-  }
-
-  template <int dim>
-  void expect_sums_and_bounds()
-  {
+    constexpr int dim = TypeParam::value;
     RemapBody<dim> body(block<dim>());
     body.start(body.disorder(0.25, 1), [](const Point<dim> &x) { return 1. + 0.3 * x[0]; });
     body.set_field(rough<dim>);
@@ -148,15 +147,9 @@ namespace
     EXPECT_LE(body.largest_of_points(6, -1.), 0.); // not negative
   }
 
-  TEST(Remap, keeps_mass_momentum_and_sums_of_points_and_all_bounds)
+  TYPED_TEST(RemapOfDimension, keeps_nodal_fields_within_bounds_that_a_projection_leaves)
   {
-    expect_sums_and_bounds<2>();
-    expect_sums_and_bounds<3>();
-  }
-
-  template <int dim>
-  void expect_bounds_of_a_step()
-  {
+    constexpr int dim = TypeParam::value;
     const double middle = 0.5 * block<dim>()[0];
     const auto step = [middle](const Point<dim> &x, const unsigned int slot)
     { return slot == 3 ? x[0] : (x[0] < middle ? 1. : 0.); };
@@ -188,12 +181,6 @@ namespace
     EXPECT_LE(limited.largest([&] { return -lowest; }), 1e-12);
   }
 
-  TEST(Remap, keeps_nodal_fields_within_bounds_that_a_projection_leaves)
-  {
-    expect_bounds_of_a_step<2>();
-    expect_bounds_of_a_step<3>();
-  }
-
   /** The disorder, and a surface that is raised and lowered by up to a tenth of the spacing. */
   template <int dim>
   typename RemapBody<dim>::Motion waves(const RemapBody<dim> &body, const unsigned int round)
@@ -209,9 +196,9 @@ namespace
     };
   }
 
-  template <int dim>
-  void expect_sums_where_the_surface_moves()
+  TYPED_TEST(RemapOfDimension, keeps_sums_constant_fields_and_bounds_where_the_surface_moves)
   {
+    constexpr int dim = TypeParam::value;
     RemapBody<dim> body(block<dim>());
     body.start(waves(body, 1), [](const Point<dim> &x) { return 1. + 0.3 * x[0]; });
     body.set_field([](const Point<dim> &x, const unsigned int slot)
@@ -232,12 +219,6 @@ namespace
     for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
       error = std::max(error, std::abs(body.field.node(i)[3] - 2.5));
     EXPECT_LE(body.largest([&] { return error; }), 1e-12);
-  }
-
-  TEST(Remap, keeps_sums_constant_fields_and_bounds_where_the_surface_moves)
-  {
-    expect_sums_where_the_surface_moves<2>();
-    expect_sums_where_the_surface_moves<3>();
   }
 
   /** A cavity in the top of a block, four fifths deep. */
@@ -375,9 +356,9 @@ namespace
     }
   }
 
-  template <int dim>
-  void expect_sums_and_bounds_of_cells()
+  TYPED_TEST(RemapOfDimension, keeps_sums_and_bounds_of_one_value_a_cell)
   {
+    constexpr int dim = TypeParam::value;
     RemapBody<dim> body(block<dim>());
     body.start(body.disorder(0.2, 1), uniform<dim>);
     body.set_cells(rough<dim>, body.middles());
@@ -401,12 +382,6 @@ namespace
       EXPECT_NEAR(before[k], after[k], 1e-13 * before[8]) << "sum " << k << " in " << dim;
     EXPECT_LE(body.largest_of_points(6), highest + 1e-14);
     EXPECT_GE(-body.largest_of_points(6, -1.), lowest - 1e-14);
-  }
-
-  TEST(Remap, keeps_sums_and_bounds_of_one_value_a_cell)
-  {
-    expect_sums_and_bounds_of_cells<2>();
-    expect_sums_and_bounds_of_cells<3>();
   }
 
   TEST(CloudFunctions, exist_at_every_place_and_depend_continuously_on_it)

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "dimensions.h"
 #include "radial_cloud.h"
 
 #include <array>
@@ -130,9 +131,14 @@ namespace
     MaterialPoints points;
   };
 
-  template <int dim>
-  void expect_central_dissipating_viscosity()
+  template <typename>
+  class PairTermsOfDimension : public ::testing::Test
+  {};
+  TYPED_TEST_SUITE(PairTermsOfDimension, tombolo::testing::Dimensions);
+
+  TYPED_TEST(PairTermsOfDimension, viscosity_is_central_and_takes_what_it_says)
   {
+    constexpr int dim = TypeParam::value;
     const PairTermsCloud<dim> cloud("set Artificial viscosity = true");
     double taken = 0;
     const std::vector<double> force = cloud.viscous_force(cloud.velocity, &taken);
@@ -144,9 +150,9 @@ namespace
   }
 
   /** Π_ij as printed, pair by pair. */
-  template <int dim>
-  void expect_the_force_of_the_formula()
+  TYPED_TEST(PairTermsOfDimension, viscosity_is_that_of_the_formula)
   {
+    constexpr int dim = TypeParam::value;
     const double alpha = 0.7, beta = 1.3, inertia = 4.;
     const PairTermsCloud<dim> cloud(
         "set Artificial viscosity = true\nset Artificial viscosity alpha = 0.7\n"
@@ -188,9 +194,9 @@ namespace
     EXPECT_GT(largest, 0.1);
   }
 
-  template <int dim>
-  void expect_symmetric_tangent()
+  TYPED_TEST(PairTermsOfDimension, tangent_of_the_viscosity_is_symmetric)
   {
+    constexpr int dim = TypeParam::value;
     const PairTermsCloud<dim> cloud("set Artificial viscosity = true");
     const std::vector<double> a = cloud.noise(11), b = cloud.noise(12);
     std::vector<double> damped_a = cloud.zero(), damped_b = cloud.zero();
@@ -225,24 +231,6 @@ namespace
   }
 } // namespace
 
-TEST(PairTerms, viscosity_is_central_and_takes_what_it_says)
-{
-  expect_central_dissipating_viscosity<2>();
-  expect_central_dissipating_viscosity<3>();
-}
-
-TEST(PairTerms, viscosity_is_that_of_the_formula)
-{
-  expect_the_force_of_the_formula<2>();
-  expect_the_force_of_the_formula<3>();
-}
-
-TEST(PairTerms, tangent_of_the_viscosity_is_symmetric)
-{
-  expect_symmetric_tangent<2>();
-  expect_symmetric_tangent<3>();
-}
-
 TEST(PairTerms, viscosity_leaves_pairs_that_separate_and_rigid_spins_alone)
 {
   const PairTermsCloud<2> cloud("set Artificial viscosity = true");
@@ -273,9 +261,9 @@ namespace
     return force;
   }
 
-  template <int dim>
-  void expect_tensile_principal_stresses()
+  TYPED_TEST(PairTermsOfDimension, artificial_stress_takes_tensile_principal_stresses_only)
   {
+    constexpr int dim = TypeParam::value;
     PairTermsCloud<dim> cloud("set Artificial stress = true\nset Artificial stress exponent = 0");
     // With the exponent zero it is -ε times the internal force of the tensile part, but for the
     // part of the row at the particle itself.
@@ -297,12 +285,6 @@ namespace
       EXPECT_EQ(component, 0.);
   }
 } // namespace
-
-TEST(PairTerms, artificial_stress_takes_tensile_principal_stresses_only)
-{
-  expect_tensile_principal_stresses<2>();
-  expect_tensile_principal_stresses<3>();
-}
 
 TEST(PairTerms, artificial_stress_pushes_pairs_apart_under_tension)
 {
