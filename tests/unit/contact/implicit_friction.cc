@@ -5,9 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <string>
-
 namespace tombolo
 {
   namespace

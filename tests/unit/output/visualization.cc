@@ -6,9 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <sstream>
 
 #include "output/mock_scene.h"

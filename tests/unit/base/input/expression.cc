@@ -5,9 +5,7 @@
 
 #include <tombolo/base/input/expression.h>
 
-#include <cmath>
 #include <iostream>
-#include <sstream>
 #include <thread>
 
 namespace

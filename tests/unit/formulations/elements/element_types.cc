@@ -6,7 +6,6 @@
 #include <tombolo/formulations/elements/one_point_hexahedron.h>
 
 #include <cmath>
-#include <memory>
 #include <random>
 
 /** Element types by themselves, on eight random cells. */

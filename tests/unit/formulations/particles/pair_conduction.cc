@@ -7,7 +7,6 @@
 #include "radial_cloud.h"
 
 #include <cmath>
-#include <numeric>
 #include <random>
 #include <string>
 

@@ -6,8 +6,6 @@
 
 #include <mesh_file_testing.h>
 
-#include <algorithm>
-
 using namespace tombolo;
 using namespace tombolo::testing;
 
