@@ -27,9 +27,7 @@ namespace tombolo
       Model<dim> &model = *body.model;
       const double gradient[3][3] = {{2., 0.3, -0.2}, {0.5, -0.8, 0.4}, {-0.1, 0.6, 1.}};
       constexpr double time_increment = 1e-9;
-      NodalVector velocity, force;
-      velocity.reinit(model.state.partition());
-      force.reinit(model.state.partition());
+      NodalVector velocity(model.state.partition()), force(model.state.partition());
       const unsigned int n_owned = model.state.partition()->n_owned();
       for (unsigned int i = 0; i < n_owned; ++i)
         for (unsigned int a = 0; a < dim; ++a)

@@ -11,7 +11,6 @@
 
 #include "particle_clouds.h"
 
-#include <cmath>
 #include <map>
 
 namespace
@@ -95,9 +94,7 @@ namespace
     /** The rows of all ranks. */
     GlobalRows rows()
     {
-      NodalVector nodal_position, nodal_support;
-      nodal_position.reinit(partition);
-      nodal_support.reinit(partition);
+      NodalVector nodal_position(partition), nodal_support(partition);
       for (unsigned int i = 0; i < particles.size(); ++i)
       {
         std::copy_n(&position[i * node_stride], node_stride,

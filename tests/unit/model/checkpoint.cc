@@ -6,6 +6,7 @@
 #include <tombolo/state/state_archive.h>
 
 #include "output_test_directory.h"
+#include "text_testing.h"
 
 #include <deal.II/base/mpi.h>
 
@@ -20,6 +21,7 @@
 #include <vector>
 
 using namespace tombolo;
+using tombolo::testing::contains;
 using namespace dealii;
 
 namespace
@@ -140,8 +142,7 @@ TEST(Checkpoint, names_the_damaged_dataset_whichever_it_is)
       for (const hsize_t damaged_byte : {hsize_t(0), dataset.size / 2, dataset.size - 1})
       {
         flip_a_bit(file, dataset.offset + damaged_byte);
-        EXPECT_NE(refusal(file).find("\"" + dataset.name + "\""), std::string::npos)
-            << dataset.name << ": " << refusal(file);
+        EXPECT_TRUE(contains(refusal(file), "\"" + dataset.name + "\"")) << dataset.name;
         flip_a_bit(file, dataset.offset + damaged_byte);
         ++n_damaged;
       }
@@ -182,7 +183,7 @@ TEST(Checkpoint, is_refused_where_any_of_its_bytes_was_changed_or_is_missing)
       std::filesystem::resize_file(file,
                                    static_cast<std::uintmax_t>(share * static_cast<double>(size)));
     MPI_Barrier(MPI_COMM_WORLD);
-    EXPECT_NE(refusal(file).find("truncated"), std::string::npos) << share;
+    EXPECT_TRUE(contains(refusal(file), "truncated")) << share;
   }
 }
 
@@ -206,10 +207,7 @@ TEST(Checkpoint, holds_every_persistent_field)
 TEST(StateArchive, rows_come_back_to_their_identifiers_on_any_rank)
 {
   const TestDirectory directory("rows");
-  if (this_rank() == 0)
-    std::filesystem::create_directories(directory.path);
-  MPI_Barrier(MPI_COMM_WORLD);
-  const std::string file = directory.path + "/rows.h5";
+  const std::string file = directory.create("rows.h5");
   const unsigned int n_ranks = Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
   const auto value = [](const std::uint64_t id, const unsigned int c)
   { return 1. / (3. + static_cast<double>(id) + 0.25 * c); };
@@ -278,10 +276,7 @@ TEST(StateArchive, rows_come_back_to_their_identifiers_on_any_rank)
 TEST(StateArchive, nodal_vectors_come_back_with_current_ghosts)
 {
   const TestDirectory directory("nodal");
-  if (this_rank() == 0)
-    std::filesystem::create_directories(directory.path);
-  MPI_Barrier(MPI_COMM_WORLD);
-  const std::string file = directory.path + "/nodal.h5";
+  const std::string file = directory.create("nodal.h5");
   constexpr unsigned int n_of_rank = 10;
   const unsigned int first = n_of_rank * this_rank();
   const unsigned int n = n_of_rank * Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);

@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -134,20 +133,12 @@ namespace
     EXPECT_EQ(owner.late, 9.);
   }
 
-  /** A file in a new directory that all ranks can read. */
-  std::string file_in(const TestDirectory &directory)
-  {
-    if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-      std::filesystem::create_directories(directory.path);
-    MPI_Barrier(MPI_COMM_WORLD);
-    return directory.path + "/records.h5";
-  }
 } // namespace
 
 TEST(Records, come_back_from_a_checkpoint)
 {
   const TestDirectory directory("records");
-  const std::string file = file_in(directory);
+  const std::string file = directory.create("records.h5");
   RecordsOwner first(false), second;
   first.fill();
   first.write(file);
@@ -186,7 +177,7 @@ TEST(Records, go_back_to_what_was_kept_any_number_of_times)
 TEST(Records, a_run_that_starts_from_the_end_of_another_takes_what_continues_and_is_there)
 {
   const TestDirectory directory("records_continued");
-  const std::string file = file_in(directory);
+  const std::string file = directory.create("records.h5");
   RecordsOwner first, second;
   first.fill();
   first.write(file);
@@ -206,7 +197,7 @@ TEST(Records, a_run_that_starts_from_the_end_of_another_takes_what_continues_and
 TEST(Records, new_nodes_of_a_divided_mesh_get_zeros_or_the_mean_of_a_field)
 {
   const TestDirectory directory("records_divided");
-  const std::string file = file_in(directory);
+  const std::string file = directory.create("records.h5");
   RecordsOwner first, second;
   first.fill();
   first.field.node(2)[1] = 9.;

@@ -107,9 +107,7 @@ namespace renumbered_cells
     FrozenBody<3> body(text);
     Model<3> &model = *body.model;
     constexpr double time_increment = 1e-9;
-    NodalVector velocity, force;
-    velocity.reinit(model.state.partition());
-    force.reinit(model.state.partition());
+    NodalVector velocity(model.state.partition()), force(model.state.partition());
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
       const double *const x = model.state.position.node(i);
