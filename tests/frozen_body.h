@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include "model_scene.h"
+
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
-#include <tombolo/physics/mechanics/step_size.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/full_matrix.h>
@@ -97,19 +97,14 @@ namespace tombolo
      * found from it in two ways that share nothing with the estimators.
      */
     template <int dim>
-    class FrozenBody
+    class FrozenBody : public ModelScene<dim>
     {
     public:
+      using ModelScene<dim>::model, ModelScene<dim>::parameters;
+
       explicit FrozenBody(const std::string &text, MPI_Comm communicator = MPI_COMM_WORLD)
-          : parameters(communicator)
+          : ModelScene<dim>(text, communicator)
       {
-        parameters.read_text(text, "test.prm");
-        Model<dim>::declare_parameters(parameters);
-        parameters.handler().enter_subsection("Time step");
-        declare<StepSize<dim>>(parameters.handler());
-        parameters.handler().leave_subsection();
-        parameters.assign();
-        model = std::make_unique<Model<dim>>(parameters, communicator);
         step = std::make_unique<MechanicalStep<dim>>(*model);
         estimator = std::make_unique<SpectralEstimator<dim>>(
             parameters.section("Time step").subsection("spectral"));
@@ -140,8 +135,7 @@ namespace tombolo
         for (Part<dim> &part : model->parts)
           if (part.particles != nullptr)
             part.particles->stencils().inverse_deformation_is_current = false;
-        kept_position.reinit(model->state.partition());
-        kept_position.copy_from(model->state.position);
+        kept_position = model->state.position.copy();
         kept_points.clear();
         for (Part<dim> &part : model->parts)
         {
@@ -304,7 +298,6 @@ namespace tombolo
         }
       }
 
-      std::unique_ptr<Model<dim>> model;
       std::unique_ptr<SpectralEstimator<dim>> estimator;
 
     private:
@@ -447,7 +440,6 @@ namespace tombolo
         return *std::max_element(values.begin(), values.end());
       }
 
-      Parameters parameters;
       EnergyLedger ledger;
       std::unique_ptr<MechanicalStep<dim>> step;
       NodalVector kept_position;
@@ -456,5 +448,28 @@ namespace tombolo
 
     extern template class FrozenBody<2>;
     extern template class FrozenBody<3>;
+
+    /** A body whose energies and momenta are booked in each step. */
+    struct BookedBody : FrozenBody<3>
+    {
+      using FrozenBody<3>::FrozenBody;
+
+      EnergyBalance next(const double time_step, const double stable_step)
+      {
+        clock.next_step = time_step;
+        clock.stable_step = stable_step;
+        motion.evaluate(clock);
+        motion.complete(clock);
+        motion.check_now();
+        const EnergyBalance balance = ledger.balance(*model, clock);
+        motion.advance(clock);
+        clock.advance();
+        return balance;
+      }
+
+      EnergyLedger ledger;
+      MechanicalStep<3> motion{*model};
+      Clock clock;
+    };
   } // namespace testing
 } // namespace tombolo

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
-#include <tombolo/model/model.h>
+#include "model_scene.h"
+#include "nodal_fields.h"
+
 #include <tombolo/physics/heat/thermal_step.h>
-#include <tombolo/physics/mechanics/step_size.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -89,18 +89,13 @@ namespace tombolo
     }
 
     template <int dim>
-    class HeatedBody
+    class HeatedBody : public ModelScene<dim>
     {
     public:
+      using ModelScene<dim>::model;
       HeatedBody(const HeatedMethod &method, const std::string &conditions = "")
-          : parameters(MPI_COMM_WORLD)
-      {
-        parameters.read_text(parameters_of<dim>(method, conditions), "test.prm");
-        Model<dim>::declare_parameters(parameters);
-        parameters.assign();
-        model = std::make_unique<Model<dim>>(parameters, MPI_COMM_WORLD);
-        step = std::make_unique<ThermalStep<dim>>(parameters.section("Heat"));
-      }
+          : ModelScene<dim>(parameters_of<dim>(method, conditions))
+      {}
 
       ThermalModel<dim> &heat()
       {
@@ -109,8 +104,7 @@ namespace tombolo
 
       NodalVector vector(const Quantity quantity = Quantity::scalars) const
       {
-        NodalVector result(model->state.partition(), quantity);
-        return result;
+        return NodalVector(model->state.partition(), quantity);
       }
 
       /** Sets θ̂ and the enthalpy. */
@@ -126,14 +120,6 @@ namespace tombolo
         }
       }
 
-      double sum(const NodalVector &a) const
-      {
-        double local = 0;
-        for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
-          local += *a.node(i);
-        return dealii::Utilities::MPI::sum(local, MPI_COMM_WORLD);
-      }
-
       double product(const NodalVector &a, const NodalVector &b) const
       {
         double local = 0;
@@ -142,9 +128,8 @@ namespace tombolo
         return dealii::Utilities::MPI::sum(local, MPI_COMM_WORLD);
       }
 
-      Parameters parameters;
-      std::unique_ptr<Model<dim>> model;
-      std::unique_ptr<ThermalStep<dim>> step;
+      std::unique_ptr<ThermalStep<dim>> step =
+          std::make_unique<ThermalStep<dim>>(this->parameters.section("Heat"));
     };
   } // namespace testing
 } // namespace tombolo

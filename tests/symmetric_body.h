@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
-#include <tombolo/model/model.h>
+#include "model_scene.h"
+
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
-#include <tombolo/physics/mechanics/step_size.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -122,21 +121,14 @@ namespace tombolo
     }
 
     template <int dim>
-    class Body
+    class Body : public ModelScene<dim>
     {
     public:
+      using ModelScene<dim>::model;
+
       Body(const SymmetricBlock &block, const Method &method)
-          : parameters(MPI_COMM_WORLD), n_steps(method.n_steps)
-      {
-        parameters.read_text(parameters_of(block, method, dim), "test.prm");
-        Model<dim>::declare_parameters(parameters);
-        parameters.handler().enter_subsection("Time step");
-        declare<StepSize<dim>>(parameters.handler());
-        parameters.handler().leave_subsection();
-        parameters.assign();
-        model = std::make_unique<Model<dim>>(parameters, MPI_COMM_WORLD);
-        step = std::make_unique<MechanicalStep<dim>>(*model);
-      }
+          : ModelScene<dim>(parameters_of(block, method, dim)), n_steps(method.n_steps)
+      {}
 
       /** A velocity that is symmetric in the planes x = 0 and y = 0 and, in three dimensions, in
        * all z = 0, 1, 2 ... */
@@ -241,12 +233,10 @@ namespace tombolo
         return result;
       }
 
-      Parameters parameters;
       unsigned int n_steps;
       unsigned int n_rebuilds = 0;
-      std::unique_ptr<Model<dim>> model;
       EnergyLedger ledger;
-      std::unique_ptr<MechanicalStep<dim>> step;
+      std::unique_ptr<MechanicalStep<dim>> step = std::make_unique<MechanicalStep<dim>>(*model);
       Clock clock;
     };
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/parameters.h>
+#include "model_scene.h"
+#include "nodal_fields.h"
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/formulations/failure/bonds.h>
-#include <tombolo/model/model.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 
@@ -70,19 +70,12 @@ namespace tombolo
     }
 
     /** Particles on a lattice of spacing 1, whose stresses and positions a test sets. */
-    class Body
+    class Body : public ModelScene<2>
     {
     public:
       using Site = std::array<long, 2>;
 
-      explicit Body(const Plate &plate = {}) : parameters(MPI_COMM_WORLD)
-      {
-        parameters.read_text(text_of(plate), "test.prm");
-        Model<2>::declare_parameters(parameters);
-        parameters.assign();
-        model = std::make_unique<Model<2>>(parameters, MPI_COMM_WORLD);
-        step = std::make_unique<MechanicalStep<2>>(*model);
-      }
+      explicit Body(const Plate &plate = {}) : ModelScene<2>(text_of(plate)) {}
 
       Part<2> &part()
       {
@@ -160,35 +153,23 @@ namespace tombolo
         return result;
       }
 
-      /** A field without any order. */
-      NodalVector noise(const unsigned int seed) const
+      /** Steps of 0.05; returns the time. */
+      double run(const unsigned int n_steps)
       {
-        NodalVector field(model->state.partition());
-        for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
+        Clock clock;
+        clock.next_step = 0.05;
+        for (unsigned int n = 0; n < n_steps; ++n)
         {
-          const double *const x = model->state.initial_position.node(i);
-          for (unsigned int d = 0; d < 2; ++d)
-            field.node(i)[d] = std::sin(91.7 * x[0] + 57.3 * x[1] + 17. * d + seed);
+          step->evaluate(clock);
+          step->complete(clock);
+          step->advance(clock);
+          clock.advance();
         }
-        field.update_ghosts();
-        return field;
+        return clock.time;
       }
 
-      /** Of the nodal vectors a and b, weighted by a scalar or a vector. */
-      double product(const NodalVector &weight, const NodalVector &a, const NodalVector &b) const
-      {
-        const bool is_scalar = weight.n_slots_per_node() == 1;
-        double sum = 0;
-        for (unsigned int i = 0; i < a.partition()->n_owned(); ++i)
-          for (unsigned int d = 0; d < 2; ++d)
-            sum += weight.node(i)[is_scalar ? 0 : d] * a.node(i)[d] * b.node(i)[d];
-        return Utilities::MPI::sum(sum, MPI_COMM_WORLD);
-      }
-
-      Parameters parameters;
-      std::unique_ptr<Model<2>> model;
       EnergyLedger ledger;
-      std::unique_ptr<MechanicalStep<2>> step;
+      std::unique_ptr<MechanicalStep<2>> step = std::make_unique<MechanicalStep<2>>(*model);
     };
   } // namespace testing
 } // namespace tombolo

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
-#include <tombolo/base/input/parameters.h>
-#include <tombolo/model/model.h>
+#include "model_scene.h"
+#include "smoothing_identities.h"
 #include <tombolo/physics/mechanics/loads.h>
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 
@@ -9,12 +9,13 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
-#include <memory>
 #include <ostream>
 #include <string>
 
 using namespace tombolo;
+using namespace tombolo::testing;
 
 namespace
 {
@@ -54,16 +55,6 @@ namespace
            bridge + "\nend\n";
   }
 
-  template <int dim>
-  std::unique_ptr<Model<dim>> make_scene(const std::string &text)
-  {
-    Parameters parameters(MPI_COMM_WORLD);
-    parameters.read_text(text, "test.prm");
-    Model<dim>::declare_parameters(parameters);
-    parameters.assign();
-    return std::make_unique<Model<dim>>(parameters, MPI_COMM_WORLD);
-  }
-
   double noise(const double *x, const unsigned int seed)
   {
     return std::sin(91.7 * x[0] + 57.3 * x[1] + 31.1 * x[2] + 17. * seed) *
@@ -73,14 +64,9 @@ namespace
   template <int dim>
   NodalVector noise_field(const Model<dim> &model, const unsigned int seed)
   {
-    NodalVector field(model.state.partition());
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        field.node(i)[d] = noise(model.state.initial_position.node(i), seed + d);
-    field.update_ghosts();
-    return field;
+    return vector_field(model, [&](const double *const x, const unsigned int d)
+                        { return noise(x, seed + d); });
   }
-
   /** A finite, not affine deformation. */
   template <int dim>
   void deform(Model<dim> &model)
@@ -100,77 +86,42 @@ namespace
         part.particles->stencils().inverse_deformation_is_current = false;
   }
 
-  template <int dim>
-  double weighted_product(const NodalVector &weight, const NodalVector &a, const NodalVector &b)
-  {
-    const unsigned int slots = weight.n_slots_per_node();
-    double sum = 0;
-    for (unsigned int i = 0; i < a.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        sum += weight.node(i)[slots == 1 ? 0 : d] * a.node(i)[d] * b.node(i)[d];
-    return dealii::Utilities::MPI::sum(sum, a.partition()->communicator());
-  }
-
   class BridgeIdentities : public ::testing::TestWithParam<Case>
   {};
 } // namespace
 
 TEST_P(BridgeIdentities, smoothing_and_its_adjoint_are_adjoint_in_the_two_masses)
 {
-  const auto model = make_scene<3>(block(GetParam().smoothing, GetParam().bridge, 3));
+  const auto model = make_model<3>(block(GetParam().smoothing, GetParam().bridge, 3));
   deform(*model);
-  const NodalVector v = noise_field(*model, 1), v_hat = noise_field(*model, 7);
-  NodalVector smoothed, interpolated;
-  smoothed.reinit(model->state.partition());
-  interpolated.reinit(model->state.partition());
-  model->bridge->apply_smoothing(v_hat, smoothed);
-  model->bridge->apply_adjoint(v, interpolated);
-  const double left = weighted_product<3>(model->bridge->nodal_mass(), v, smoothed);
-  const double right = weighted_product<3>(model->bridge->mass(), interpolated, v_hat);
-  const double scale = std::sqrt(weighted_product<3>(model->bridge->mass(), v, v) *
-                                 weighted_product<3>(model->bridge->mass(), v_hat, v_hat));
-  EXPECT_NEAR(left / scale, right / scale, 1e-13);
-  EXPECT_GT(std::abs(left / scale), 1e-4);
+  expect_adjoint_smoothing(*model, noise_field(*model, 1), noise_field(*model, 7));
 }
 
 TEST_P(BridgeIdentities, momentum_is_the_same_before_and_after_smoothing)
 {
-  const auto model = make_scene<2>(block(GetParam().smoothing, GetParam().bridge, 2));
+  const auto model = make_model<2>(block(GetParam().smoothing, GetParam().bridge, 2));
   deform(*model);
   const NodalVector v_hat = noise_field(*model, 3);
-  NodalVector smoothed, one;
-  smoothed.reinit(model->state.partition());
-  one.reinit(model->state.partition());
-  for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
-    one.node(i)[0] = 1.;
+  const NodalVector one =
+      vector_field(*model, [](const double *, const unsigned int d) { return d == 0 ? 1. : 0.; });
+  NodalVector smoothed(model->state.partition());
   model->bridge->apply_smoothing(v_hat, smoothed);
-  const double before = weighted_product<2>(model->bridge->mass(), one, v_hat);
-  const double after = weighted_product<2>(model->bridge->nodal_mass(), one, smoothed);
+  const double before = weighted_product(model->bridge->mass(), one, v_hat);
+  const double after = weighted_product(model->bridge->nodal_mass(), one, smoothed);
   EXPECT_NEAR(before, after, 1e-13);
 }
 
 TEST_P(BridgeIdentities, a_uniform_velocity_stays_as_it_is)
 {
-  const auto model = make_scene<3>(block(GetParam().smoothing, GetParam().bridge, 3));
+  const auto model = make_model<3>(block(GetParam().smoothing, GetParam().bridge, 3));
   deform(*model);
-  NodalVector one, result;
-  one.reinit(model->state.partition());
-  result.reinit(model->state.partition());
-  for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
-    for (unsigned int d = 0; d < 3; ++d)
-      one.node(i)[d] = 1. + d;
-  one.update_ghosts();
-  double largest = 0;
+  const NodalVector one =
+      vector_field(*model, [](const double *, const unsigned int d) { return 1. + d; });
+  NodalVector result(model->state.partition());
   model->bridge->apply_smoothing(one, result);
-  for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
-    for (unsigned int d = 0; d < 3; ++d)
-      largest = std::max(largest, std::abs(result.node(i)[d] - 1. - d));
-  EXPECT_LT(largest, 1e-12);
+  EXPECT_LT(largest_difference(result, one), 1e-12);
   model->bridge->apply_adjoint(one, result);
-  for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
-    for (unsigned int d = 0; d < 3; ++d)
-      largest = std::max(largest, std::abs(result.node(i)[d] - 1. - d));
-  EXPECT_LT(largest, 1e-12);
+  EXPECT_LT(largest_difference(result, one), 1e-12);
 
   const double mass = 2. * 1.4 * 1.2;
   EXPECT_NEAR(model->bridge->kinetic_energy(one), 0.5 * mass * (1. + 4. + 9.), 1e-12 * mass);
@@ -186,32 +137,25 @@ INSTANTIATE_TEST_SUITE_P(all_smoothings, BridgeIdentities,
 
 TEST(Bridge, affine_smoothing_reproduces_functions_that_are_linear_in_the_reference)
 {
-  const auto model = make_scene<3>(block("affine", "paper", 3));
+  const auto model = make_model<3>(block("affine", "paper", 3));
   deform(*model);
-  NodalVector linear, result;
-  linear.reinit(model->state.partition());
-  result.reinit(model->state.partition());
-  for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
-  {
-    const double *const x = model->state.initial_position.node(i);
-    linear.node(i)[0] = 0.3 - 2. * x[1] + 0.7 * x[2];
-    linear.node(i)[1] = 2. * x[0] + x[1];
-    linear.node(i)[2] = 1. - x[2] + 0.4 * x[0];
-  }
-  linear.update_ghosts();
+  const NodalVector linear =
+      vector_field(*model,
+                   [](const double *const x, const unsigned int d)
+                   {
+                     return std::array<double, 3>{{0.3 - 2. * x[1] + 0.7 * x[2], 2. * x[0] + x[1],
+                                                   1. - x[2] + 0.4 * x[0]}}[d];
+                   });
+  NodalVector result(model->state.partition());
   model->bridge->apply_smoothing(linear, result);
-  double largest = 0;
-  for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
-    for (unsigned int d = 0; d < 3; ++d)
-      largest = std::max(largest, std::abs(result.node(i)[d] - linear.node(i)[d]));
-  EXPECT_LT(largest, 1e-12);
+  EXPECT_LT(largest_difference(result, linear), 1e-12);
 }
 
 TEST(Bridge, affine_positions_are_the_smoothed_ones_of_what_moves_with_v_hat)
 {
   for (const char *const bridge : {"paper", "trace"})
   {
-    const auto model = make_scene<3>(block("affine", bridge, 3));
+    const auto model = make_model<3>(block("affine", bridge, 3));
     NodalState &state = model->state;
     for (unsigned int step = 0; step < 3; ++step)
     {
@@ -222,44 +166,33 @@ TEST(Bridge, affine_positions_are_the_smoothed_ones_of_what_moves_with_v_hat)
     state.unsmoothed_position.update_ghosts();
     NodalVector smoothed(state.partition());
     model->bridge->apply_smoothing(state.unsmoothed_position, smoothed);
-    double largest = 0, moved = 0;
-    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < 3; ++d)
-      {
-        largest = std::max(largest, std::abs(smoothed.node(i)[d] - state.position.node(i)[d]));
-        moved = std::max(
-            moved, std::abs(state.unsmoothed_position.node(i)[d] - state.position.node(i)[d]));
-      }
-    EXPECT_LT(largest, 1e-13);
-    EXPECT_GT(dealii::Utilities::MPI::max(moved, MPI_COMM_WORLD), 1e-2);
+    EXPECT_LT(largest_difference(smoothed, state.position), 1e-13);
+    EXPECT_GT(largest_difference(state.unsmoothed_position, state.position), 1e-2);
   }
 }
 
 TEST(Bridge, short_wave_part_is_self_adjoint_and_between_zero_and_one)
 {
-  const auto model = make_scene<3>(block("paper", "paper", 3));
+  const auto model = make_model<3>(block("paper", "paper", 3));
   const NodalVector a = noise_field(*model, 2), b = noise_field(*model, 5);
-  NodalVector short_wave_a, short_wave_b;
-  short_wave_a.reinit(model->state.partition());
-  short_wave_b.reinit(model->state.partition());
+  NodalVector short_wave_a(model->state.partition()), short_wave_b(model->state.partition());
   model->bridge->apply_short_wave_part(a, short_wave_a);
   model->bridge->apply_short_wave_part(b, short_wave_b);
   const NodalVector &mass = model->bridge->mass();
-  const double scale = weighted_product<3>(mass, a, a);
-  EXPECT_NEAR(weighted_product<3>(mass, short_wave_a, b) / scale,
-              weighted_product<3>(mass, a, short_wave_b) / scale, 1e-13);
-  EXPECT_GT(weighted_product<3>(mass, short_wave_a, a), 0.);
-  EXPECT_LT(weighted_product<3>(mass, short_wave_a, a), scale);
+  const double scale = weighted_product(mass, a, a);
+  EXPECT_NEAR(weighted_product(mass, short_wave_a, b) / scale,
+              weighted_product(mass, a, short_wave_b) / scale, 1e-13);
+  EXPECT_GT(weighted_product(mass, short_wave_a, a), 0.);
+  EXPECT_LT(weighted_product(mass, short_wave_a, a), scale);
 }
 
 TEST(Bridge, prescribed_components_keep_their_own_row)
 {
-  const auto model = make_scene<3>(block(
+  const auto model = make_model<3>(block(
       "affine", "paper", 3,
       "set Conditions = c\nsubsection Condition: c\nset Type = velocity\nset Where = x > 1.39\n"
       "set Function = 0.5; free; free\nend\n"));
-  NodalVector field = noise_field(*model, 4), result;
-  result.reinit(model->state.partition());
+  NodalVector field = noise_field(*model, 4), result(model->state.partition());
   model->bridge->apply_interpolation(field, result);
   unsigned int count = 0;
   for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
@@ -296,7 +229,7 @@ TEST(Bridge, prescribed_components_keep_their_own_row)
 
 TEST(Bridge, loads_at_positions_keep_their_sum_in_nodal_forces)
 {
-  const auto model = make_scene<3>(block(
+  const auto model = make_model<3>(block(
       "affine", "paper", 3,
       "set Conditions = c\nsubsection Condition: c\nset Type = traction\nset Where = y < 1e-9\n"
       "set Function = 1; 2 + x; 3\nend\n"));
@@ -324,7 +257,7 @@ TEST(Bridge, contact_forces_keep_their_sum_in_nodal_forces)
   for (const char *const smoothing : {"paper", "affine"})
   {
     SCOPED_TRACE(smoothing);
-    const auto model = make_scene<3>(
+    const auto model = make_model<3>(
         block(smoothing, "paper", 3,
               "set Contacts = wall\nsubsection Contact: wall\nset Surface = plane\n"
               "subsection plane\nset Point = 0, 0, 0\nset Normal = 0, 1, 0\nend\nend\n"));

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
-#include <tombolo/coupling/position_response.h>
+#include "model_scene.h"
 
-#include <tombolo/base/input/parameters.h>
-#include <tombolo/model/model.h>
+#include <tombolo/coupling/position_response.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -21,8 +20,7 @@ namespace
   /** A disordered block, elements to the left and particles to the right. */
   std::unique_ptr<Model<3>> block(const std::string &smoothing)
   {
-    Parameters parameters(MPI_COMM_WORLD);
-    parameters.read_text(
+    return tombolo::testing::make_model<3>(
         "set Dimension = 3\nset Parts = a, b\nset Materials = m\n"
         "subsection Mesh\nset Type = box\nsubsection box\nset Upper corner = 1.4, 1.2, 1\n"
         "set Cells = 7, 6, 5\nset Disorder = 0.2\nend\nend\n"
@@ -31,14 +29,10 @@ namespace
         "subsection Part: b\nset Cells = otherwise\n"
         "set Formulation = momentum consistent particle\nset Material = m\n"
         "subsection momentum consistent particle\nset Smoothing = " +
-            smoothing +
-            "\nend\nend\n"
-            "subsection Material: m\nset Model = elastic\nsubsection elastic\nset Density = 2\n"
-            "set Young's modulus = 3\nset Poisson's ratio = 0.3\nend\nend\n",
-        "test.prm");
-    Model<3>::declare_parameters(parameters);
-    parameters.assign();
-    return std::make_unique<Model<3>>(parameters, MPI_COMM_WORLD);
+        smoothing +
+        "\nend\nend\n"
+        "subsection Material: m\nset Model = elastic\nsubsection elastic\nset Density = 2\n"
+        "set Young's modulus = 3\nset Poisson's ratio = 0.3\nend\nend\n");
   }
 
   /** Nodes below a height. */
@@ -74,7 +68,7 @@ namespace
     return dealii::Utilities::MPI::sum(sum, MPI_COMM_WORLD);
   }
 
-  class PositionResponseTest : public testing::TestWithParam<std::string>
+  class PositionResponseTest : public ::testing::TestWithParam<std::string>
   {
   protected:
     NodalVector respond(PositionResponse &position_response, const NodalVector &loads)
@@ -130,5 +124,5 @@ namespace
   }
 
   INSTANTIATE_TEST_SUITE_P(Smoothings, PositionResponseTest,
-                           testing::Values("none", "paper", "fe matched", "affine"));
+                           ::testing::Values("none", "paper", "fe matched", "affine"));
 } // namespace

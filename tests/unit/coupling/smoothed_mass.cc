@@ -9,8 +9,6 @@
 #include "torn_plate.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <string>
 #include <vector>
 
@@ -107,20 +105,15 @@ TEST(SmoothedMass, stays_positive_where_rows_extrapolate)
     EXPECT_EQ(shape.non_negative_rows.size(), n_changed);
 
     // S 1 = 1 with its adjoint: linear momentum is kept.
-    const NodalVector v = body.noise(1), v_hat = body.noise(5);
-    NodalVector smoothed, interpolated, one;
-    for (NodalVector *vector : {&smoothed, &interpolated, &one})
-      vector->reinit(model.state.partition());
+    const NodalVector v = disordered_field(model, 1.), v_hat = disordered_field(model, 5.),
+                      one = vector_field(model, [](const double *, unsigned int) { return 1.; });
+    NodalVector smoothed(model.state.partition()), interpolated(model.state.partition());
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-    {
-      one.node(i)[0] = one.node(i)[1] = 1.;
       EXPECT_GT(model.bridge->nodal_mass().node(i)[0], 0.01 * *model.bridge->mass().node(i));
-    }
     model.bridge->apply_smoothing(v_hat, smoothed);
     model.bridge->apply_adjoint(v, interpolated);
-    EXPECT_NEAR(body.product(model.bridge->nodal_mass(), v, smoothed),
-                body.product(model.bridge->mass(), interpolated, v_hat), 1e-12);
-    one.update_ghosts();
+    EXPECT_NEAR(weighted_product(model.bridge->nodal_mass(), v, smoothed),
+                weighted_product(model.bridge->mass(), interpolated, v_hat), 1e-12);
     model.bridge->apply_smoothing(one, smoothed);
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       EXPECT_NEAR(smoothed.node(i)[0], 1., 1e-13);

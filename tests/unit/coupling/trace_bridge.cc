@@ -2,12 +2,12 @@
 // ranks: 1 2 3
 // The effect of the trace bridge on velocities and forces, without the rest of a step.
 #include "frozen_body.h"
+#include "nodal_fields.h"
 
 #include <tombolo/approximation/nodal_smoothing.h>
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -27,25 +27,11 @@ namespace tombolo
         return block;
       }
 
-      /** Without any order, and with current ghosts. */
-      NodalVector disordered_velocity(const Model<3> &model)
-      {
-        NodalVector velocity(model.state.partition());
-        for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-        {
-          const double *const x = model.state.initial_position.node(i);
-          for (unsigned int d = 0; d < 3; ++d)
-            velocity.node(i)[d] = std::sin(91.7 * x[0] + 57.3 * x[1] + 31.1 * x[2] + 17. * d);
-        }
-        velocity.update_ghosts();
-        return velocity;
-      }
-
       TEST(TraceBridge, elements_see_the_field_of_the_particles_at_shared_nodes)
       {
         FrozenBody<3> body(traced_block());
         Model<3> &model = *body.model;
-        const NodalVector velocity = disordered_velocity(model);
+        const NodalVector velocity = disordered_field(model);
         const NodalVector &seen = model.bridge->element_velocity(velocity);
         std::vector<bool> is_shared(model.state.partition()->n_owned(), false);
         const Stencils &stencils = model.parts[1].particles->stencils();
@@ -71,10 +57,9 @@ namespace tombolo
       {
         FrozenBody<3> body(traced_block());
         Model<3> &model = *body.model;
-        const NodalVector velocity = disordered_velocity(model);
+        const NodalVector velocity = disordered_field(model);
         const NodalVector &seen = model.bridge->element_velocity(velocity);
-        NodalVector current(velocity.partition());
-        current.copy_from(seen);
+        NodalVector current = seen.copy();
         current.update_ghosts();
         for (unsigned int i = 0; i < velocity.partition()->n_local(); ++i)
           for (unsigned int d = 0; d < 3; ++d)
@@ -86,10 +71,8 @@ namespace tombolo
         FrozenBody<3> body(traced_block());
         Model<3> &model = *body.model;
         const auto &partition = *model.state.partition();
-        const NodalVector velocity = disordered_velocity(model);
-        NodalVector element_force, force;
-        element_force.reinit(model.state.partition());
-        force.reinit(model.state.partition());
+        const NodalVector velocity = disordered_field(model);
+        NodalVector element_force(model.state.partition()), force(model.state.partition());
         std::vector<double> given(4, 0.), taken(4, 0.); // sum, power
         const NodalVector &seen = model.bridge->element_velocity(velocity);
         for (unsigned int i = 0; i < partition.n_local(); ++i) // also at nodes of other ranks

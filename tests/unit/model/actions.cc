@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
+#include "model_scene.h"
+#include "nodal_fields.h"
+
 #include <tombolo/base/clock.h>
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/model/actions.h>
-#include <tombolo/model/model.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -22,25 +23,20 @@ namespace
    * symmetry. */
   std::unique_ptr<Model<2>> half_plate(const std::string &smoothing, const bool is_graded = true)
   {
-    Parameters parameters(MPI_COMM_WORLD);
-    parameters.read_text(
+    return tombolo::testing::make_model<2>(
         "set Dimension = 2\nset Parts = a, b\nset Materials = m\nset Conditions = plane\n"
         "subsection Mesh\nset Type = box\nset Refine where = " +
-            std::string(is_graded ? "x < 1" : "") +
-            "\nsubsection box\nset Upper corner = 4, 1\nset Cells = 16, 4\nend\nend\n"
-            "subsection Condition: plane\nset Type = symmetry\nset Boundary = y min\nend\n"
-            "subsection Part: a\nset Cells = x < 2\nset Formulation = hexahedron\nset Material = "
-            "m\n"
-            "end\nsubsection Part: b\nset Cells = otherwise\nset Formulation = momentum consistent "
-            "particle\nset Material = m\nsubsection momentum consistent particle\nset Smoothing "
-            "= " +
-            smoothing +
-            "\nend\nend\nsubsection Material: m\nset Model = elastic\nsubsection elastic\nset "
-            "Density = 2\nset Young's modulus = 3\nset Poisson's ratio = 0.3\nend\nend\n",
-        "half.prm");
-    Model<2>::declare_parameters(parameters);
-    parameters.assign();
-    return std::make_unique<Model<2>>(parameters, MPI_COMM_WORLD);
+        std::string(is_graded ? "x < 1" : "") +
+        "\nsubsection box\nset Upper corner = 4, 1\nset Cells = 16, 4\nend\nend\n"
+        "subsection Condition: plane\nset Type = symmetry\nset Boundary = y min\nend\n"
+        "subsection Part: a\nset Cells = x < 2\nset Formulation = hexahedron\nset Material = "
+        "m\n"
+        "end\nsubsection Part: b\nset Cells = otherwise\nset Formulation = momentum consistent "
+        "particle\nset Material = m\nsubsection momentum consistent particle\nset Smoothing "
+        "= " +
+        smoothing +
+        "\nend\nend\nsubsection Material: m\nset Model = elastic\nsubsection elastic\nset "
+        "Density = 2\nset Young's modulus = 3\nset Poisson's ratio = 0.3\nend\nend\n");
   }
 
   double noise(const double *const x, const unsigned int seed)
@@ -51,10 +47,7 @@ namespace
   /** Noise at the nodes that move, with what follows from it at all others. */
   NodalVector moving_field(const Model<2> &model)
   {
-    NodalVector field(model.state.partition());
-    for (unsigned int i = 0; i < field.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < 2; ++d)
-        field.node(i)[d] = noise(model.state.initial_position.node(i), d);
+    NodalVector field = tombolo::testing::vector_field(model, noise);
     field.distribute();
     return field;
   }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 3
 #include "frozen_body.h"
+#include "mesh_testing.h"
+#include "nodal_fields.h"
 
-#include <tombolo/base/exceptions.h>
 #include <tombolo/model/assembly.h>
 
 #include <gtest/gtest.h>
@@ -27,12 +28,9 @@ namespace
     block.options = options;
     block.mesh_options = "set Disorder = 0.1";
     const std::string all = dim == 2 ? "x + y" : "x + y + z";
-    std::string text = parameters_of(block);
-    const std::string type = "set Type = box\n";
-    text.insert(text.find(type) + type.size(), "set Refine where = " + all + " < 3; " + all +
-                                                   " < 1.6; x > 3 && y > 2\n" +
-                                                   "set Refinement levels = 1; 2; 1\n");
-    return text;
+    return changed(parameters_of(block), "set Type = box\n",
+                   "set Type = box\nset Refine where = " + all + " < 3; " + all +
+                       " < 1.6; x > 3 && y > 2\nset Refinement levels = 1; 2; 1\n");
   }
 
   bool is_inside(const double *const x, const unsigned int dim)
@@ -46,13 +44,13 @@ namespace
   /** Values between -1 and 1 that no two nodes share. */
   void set_random(const NodalVector &positions, const double seed, NodalVector &result)
   {
-    for (unsigned int i = 0; i < result.partition()->n_owned(); ++i)
-      for (unsigned int c = 0; c < 3; ++c)
-      {
-        const double *const x = positions.node(i);
-        result.node(i)[c] = std::sin(37. * x[0] + 91. * x[1] + 53. * x[2] + seed + c);
-      }
-    result.update_ghosts();
+    result.fill(
+        [&](const unsigned int i, double *const values)
+        {
+          const double *const x = positions.node(i);
+          for (unsigned int c = 0; c < 3; ++c)
+            values[c] = std::sin(37. * x[0] + 91. * x[1] + 53. * x[2] + seed + c);
+        });
   }
 
   template <int dim>
@@ -75,19 +73,14 @@ namespace
 
     // Linear fields stay, so that positions do not move; the mean of others is taken elsewhere.
     NodalVector field, other;
-    field.reinit(partition, Quantity::position);
-    field.copy_from(positions);
+    field = positions.copy();
     field.distribute();
-    double moved = 0, hanging_mass = 0, volume = 0, n_hanging = 0;
+    double hanging_mass = 0, n_hanging = 0;
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
-    {
-      for (unsigned int d = 0; d < dim; ++d)
-        moved = std::max(moved, std::abs(field.node(i)[d] - positions.node(i)[d]));
-      volume += *model.element_mass.node(i);
       n_hanging += *model.element_mass.node(i) == 0. ? 1. : 0.;
-    }
-    EXPECT_LT(moved, 1e-14) << formulation;
-    EXPECT_NEAR(sum_over_ranks(volume), std::pow(dim == 2 ? 6. : 4., dim), 1e-11) << formulation;
+    EXPECT_LT(largest_difference(field, positions), 1e-14) << formulation;
+    EXPECT_NEAR(sum_of_nodes(model.element_mass), std::pow(dim == 2 ? 6. : 4., dim), 1e-11)
+        << formulation;
     EXPECT_GT(sum_over_ranks(n_hanging), 5.) << formulation;
 
     // f . C v = C^T f . v, sums stay.
@@ -99,20 +92,15 @@ namespace
     other.copy_from(velocity);
     other.distribute();
     const double before = force.dot(other);
-    double sum = 0, sum_after = 0;
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      sum += force.node(i)[0];
+    const double sum = sum_of_nodes(force);
     for (unsigned int i = partition->n_owned(); i < partition->n_local(); ++i)
       std::fill_n(force.node(i), node_stride, 0.);
     force.condense();
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
-    {
-      sum_after += force.node(i)[0];
       if (*model.element_mass.node(i) == 0.)
         hanging_mass = std::max(hanging_mass, std::abs(force.node(i)[0]));
-    }
     EXPECT_NEAR(force.dot(velocity), before, 1e-11) << formulation;
-    EXPECT_NEAR(sum_over_ranks(sum_after), sum_over_ranks(sum), 1e-11) << formulation;
+    EXPECT_NEAR(sum_of_nodes(force), sum, 1e-11) << formulation;
     EXPECT_EQ(hanging_mass, 0.) << formulation;
   }
 
@@ -129,9 +117,7 @@ namespace
     const FrozenBody<dim> body(graded_block(formulation, dim));
     Model<dim> &model = *body.model;
     const NodalVector &positions = model.state.initial_position;
-    NodalVector velocity, force;
-    velocity.reinit(model.state.partition());
-    force.reinit(model.state.partition());
+    NodalVector velocity(model.state.partition()), force(model.state.partition());
     const double gradient[3][3] = {{0.3, 0.7, -0.2}, {-0.4, 0.1, 0.5}, {0.2, -0.6, 0.4}};
     for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
       for (unsigned int a = 0; a < dim; ++a)
@@ -174,21 +160,9 @@ namespace
     block.options = "set Smoothing = " + smoothing;
     block.bridge = bridge;
     block.mesh_options = "set Disorder = " + disorder;
-    std::string text = parameters_of(block);
-    const std::string type = "set Type = box\n";
-    text.insert(text.find(type) + type.size(), std::string("set Refine where = x ") +
-                                                   (has_small_particles ? ">" : "<") +
-                                                   (dim == 2 ? " 3\n" : " 2\n"));
-    return text;
-  }
-
-  double product(const NodalVector &weight, const NodalVector &a, const NodalVector &b)
-  {
-    double sum = 0;
-    for (unsigned int i = 0; i < a.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < 3; ++d)
-        sum += weight.node(i)[weight.n_slots_per_node() == 1 ? 0 : d] * a.node(i)[d] * b.node(i)[d];
-    return sum_over_ranks(sum);
+    return changed(parameters_of(block), "set Type = box\n",
+                   std::string("set Type = box\nset Refine where = x ") +
+                       (has_small_particles ? ">" : "<") + (dim == 2 ? " 3\n" : " 2\n"));
   }
 
   template <int dim>
@@ -205,13 +179,10 @@ namespace
     ASSERT_TRUE(partition->has_dependent_nodes()) << name;
 
     // Nodes that follow others have no mass and are in no row, and no volume is lost.
-    double volume = 0, n_without = 0;
+    double n_without = 0;
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
-    {
-      volume += *model.bridge->lumped_mass().node(i);
       n_without += *model.bridge->mass().node(i) == 0. ? 1. : 0.;
-    }
-    EXPECT_NEAR(sum_over_ranks(volume), dim == 2 ? 30. : 24., 1e-12) << name;
+    EXPECT_NEAR(sum_of_nodes(model.bridge->lumped_mass()), dim == 2 ? 30. : 24., 1e-12) << name;
     EXPECT_EQ(sum_over_ranks(n_without),
               sum_over_ranks(static_cast<double>(partition->dependent_nodes().node.size())))
         << name;
@@ -277,9 +248,9 @@ namespace
         for (NodalVector *const vector : {&other, &result})
           std::fill_n(vector->node(i), node_stride, 0.);
     other.update_ghosts();
-    const double power = product(mass, other, result);
+    const double power = weighted_product(mass, other, result);
     model.bridge->apply_adjoint(other, result);
-    EXPECT_NEAR(product(unsmoothed, noise, result), power, 1e-12) << name;
+    EXPECT_NEAR(weighted_product(unsmoothed, noise, result), power, 1e-12) << name;
   }
 
   TEST(HangingNodes, beside_particles_keep_linear_fields_momentum_and_the_adjoint)
@@ -348,28 +319,16 @@ namespace
     block.cells = {4, 4, 2};
     std::string text = parameters_of(block);
     const auto replace = [&](const std::string &old_text, const std::string &new_text)
-    {
-      ASSERT_NE(text.find(old_text), std::string::npos) << old_text;
-      text.replace(text.find(old_text), old_text.size(), new_text);
-    };
+    { text = changed(text, old_text, new_text); };
     replace("set Cells = x < 2", "set Cells = x < 2 || y < 1.5");
     replace("set Type = box\n", "set Type = box\nset Refine where = x > 2 && y > 1\n");
-    const auto refused = [&](const std::string &words)
-    {
-      try
-      {
-        const FrozenBody<3> body(text);
-        FAIL() << "nothing was refused";
-      }
-      catch (const InputError &error)
-      {
-        EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
-      }
-    };
-    refused("lies in the middle of a face or edge of a large cell that ends beyond the part");
+    const auto refusal = [&] { return input_error([&] { const FrozenBody<3> body(text); }); };
+    EXPECT_TRUE(
+        contains(refusal(),
+                 "lies in the middle of a face or edge of a large cell that ends beyond the part"));
     replace("set Formulation = momentum consistent particle", "set Formulation = rigid");
     replace("subsection momentum consistent particle\n", "subsection rigid\n");
-    refused("a node of the part lies in the middle of an edge");
+    EXPECT_TRUE(contains(refusal(), "a node of the part lies in the middle of an edge"));
   }
 
   TEST(HangingNodes, are_known_to_the_estimate_of_the_stable_step)

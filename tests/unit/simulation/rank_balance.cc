@@ -2,6 +2,7 @@
 // ranks: 1 3
 #include "frozen_body.h"
 #include "material_testing.h"
+#include "text_testing.h"
 
 #include <tombolo/simulation/run_summary.h>
 
@@ -9,7 +10,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -36,15 +36,6 @@ namespace tombolo
                 : copper();
         return text.replace(begin, end - begin,
                             "set Model = " + model + "\nsubsection " + model + "\n" + entries);
-      }
-
-      std::unique_ptr<Model<3>> make_scene(const std::string &text)
-      {
-        Parameters parameters(MPI_COMM_WORLD);
-        parameters.read_text(text, "bar.prm");
-        Model<3>::declare_parameters(parameters);
-        parameters.assign();
-        return std::make_unique<Model<3>>(parameters, MPI_COMM_WORLD);
       }
 
       StepCost cost_of_part(const Model<3> &model, const unsigned int part,
@@ -77,7 +68,7 @@ namespace tombolo
 
       double cost(const std::string &element, const std::string &material, const unsigned int part)
       {
-        const StepCost part_cost = cost_of_part(*make_scene(bar(element, material)), part);
+        const StepCost part_cost = cost_of_part(*make_model<3>(bar(element, material)), part);
         return part_cost.per_cell + part_cost.per_node;
       }
 
@@ -85,7 +76,7 @@ namespace tombolo
       {
         for (const std::string material : {"elastic", "j2 plasticity"})
         {
-          const auto model = make_scene(bar("fully integrated hexahedron", material));
+          const auto model = make_model<3>(bar("fully integrated hexahedron", material));
           const auto costs =
               dealii::Utilities::MPI::min_max_avg(cost_of_rank(*model), MPI_COMM_WORLD);
           EXPECT_LT(costs.max, 1.04 * costs.avg) << material;
@@ -108,7 +99,7 @@ namespace tombolo
 
       TEST(RankBalance, supports_around_a_turned_lattice_hold_more_particles)
       {
-        const auto model = make_scene(bar("hexahedron", "elastic"));
+        const auto model = make_model<3>(bar("hexahedron", "elastic"));
         EXPECT_EQ(cost_of_part(*model, 0, 2.).per_cell, cost_of_part(*model, 0).per_cell);
         EXPECT_GT(cost_of_part(*model, 1, 2.).per_node, 1.5 * cost_of_part(*model, 1).per_node);
       }
@@ -116,7 +107,7 @@ namespace tombolo
       TEST(RankBalance, what_ranks_exchange_is_counted)
       {
         const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
-        const auto model = make_scene(bar("hexahedron", "elastic"));
+        const auto model = make_model<3>(bar("hexahedron", "elastic"));
         const NodePartition &partition = *model->state.partition();
         partition.exchange_cost() = ExchangeCost();
         model->state.position.update_ghosts();
@@ -136,9 +127,7 @@ namespace tombolo
         EXPECT_EQ(next.exchange_cost().n_doubles, cost.n_doubles);
 
         const std::string text = json_text(describe_rank_balance(partition, 10., 1.));
-        EXPECT_NE(text.find("\"exchanges_per_step\": " + std::to_string(cost.n_exchanges)),
-                  std::string::npos)
-            << text;
+        EXPECT_TRUE(contains(text, "\"exchanges_per_step\": " + std::to_string(cost.n_exchanges)));
       }
     } // namespace
   }   // namespace testing

@@ -3,6 +3,7 @@
 // Shape functions that are averages over cells, the masses that belong to them, and the damping of
 // their surface.
 #include "frozen_body.h"
+#include "nodal_fields.h"
 
 #include <tombolo/formulations/particles/patch_test.h>
 #include <tombolo/model/tangent.h>
@@ -91,9 +92,7 @@ namespace
     const Model<dim> &model = *body.model;
     const auto &particles = particles_of(model);
     const Stencils &shape = particles.stencils();
-    NodalVector force, areas;
-    force.reinit(model.state.partition());
-    areas.reinit(model.state.partition());
+    NodalVector force(model.state.partition()), areas(model.state.partition());
     const std::vector<double> &volume = particles.particle_set().initial_volumes();
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
@@ -109,40 +108,10 @@ namespace
     boundary.initialize(setup);
     boundary.add_areas(model.state.initial_position, areas, areas);
     areas.add_to_owners();
-    double error = 0, area = 0;
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        error = std::max(error, std::abs(force.node(i)[d] - areas.node(i)[d]));
-        area = std::max(area, std::abs(areas.node(i)[d]));
-      }
-    EXPECT_GT(largest(area), 0.1);
-    EXPECT_LT(largest(error), 1e-13);
+    EXPECT_GT(largest_magnitude(areas), 0.1);
+    EXPECT_LT(largest_difference(force, areas), 1e-13);
   }
 
-  double product(const NodalVector &mass, const NodalVector &a, const NodalVector &b)
-  {
-    const bool is_scalar = mass.n_slots_per_node() == 1;
-    double sum = 0;
-    for (unsigned int i = 0; i < a.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < 3; ++d)
-        sum += mass.node(i)[is_scalar ? 0 : d] * a.node(i)[d] * b.node(i)[d];
-    return sum_over_ranks(sum);
-  }
-
-  template <int dim>
-  NodalVector noise(const Model<dim> &model, const double seed)
-  {
-    NodalVector field(model.state.partition());
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-    {
-      const double *const x = model.state.initial_position.node(i);
-      for (unsigned int d = 0; d < dim; ++d)
-        field.node(i)[d] = std::sin(91.7 * x[0] + 57.3 * x[1] + 31.1 * x[2] + 17. * d + seed);
-    }
-    field.update_ghosts();
-    return field;
-  }
 } // namespace
 
 TEST(CellAverages, rows_are_complete_to_first_order)
@@ -193,16 +162,16 @@ TEST(CellAverages, masses_accelerate_uniformly_and_keep_momentum)
     EXPECT_GT(-largest(-smallest), 0.1);
     EXPECT_GT(largest(difference), 0.1); // m̂ differs from the lumped mass
 
-    const NodalVector v_hat = noise(model, 1.), v = noise(model, 5.);
+    const NodalVector v_hat = disordered_field(model, 1.), v = disordered_field(model, 5.);
     model.bridge->apply_smoothing(v_hat, smoothed);
     model.bridge->apply_adjoint(v, adjoint);
-    EXPECT_NEAR(product(model.bridge->nodal_mass(), v, smoothed),
-                product(model.bridge->mass(), adjoint, v_hat), 1e-12);
-    EXPECT_NEAR(product(model.bridge->mass(), one, v_hat),
-                product(model.bridge->nodal_mass(), one, smoothed), 1e-12);
+    EXPECT_NEAR(weighted_product(model.bridge->nodal_mass(), v, smoothed),
+                weighted_product(model.bridge->mass(), adjoint, v_hat), 1e-12);
+    EXPECT_NEAR(weighted_product(model.bridge->mass(), one, v_hat),
+                weighted_product(model.bridge->nodal_mass(), one, smoothed), 1e-12);
     model.bridge->apply_short_wave_part(v_hat, smoothed);
     model.bridge->mass_split().make_symmetric(smoothed);
-    EXPECT_NEAR(product(model.bridge->mass(), one, smoothed), 0., 1e-12);
+    EXPECT_NEAR(weighted_product(model.bridge->mass(), one, smoothed), 0., 1e-12);
   }
 }
 
@@ -226,9 +195,7 @@ TEST(SurfaceDamping, takes_energy_but_no_momentum_and_leaves_rigid_motion_alone)
   Model<3> &model = *body.model;
   SurfaceDamping<3> damping(0.2, model);
   damping.model_changed(model);
-  NodalVector force, rotation;
-  force.reinit(model.state.partition());
-  rotation.reinit(model.state.partition());
+  NodalVector force(model.state.partition()), rotation(model.state.partition());
   for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
   {
     const double *const x = model.state.position.node(i);
@@ -240,13 +207,9 @@ TEST(SurfaceDamping, takes_energy_but_no_momentum_and_leaves_rigid_motion_alone)
   tangent.force = &force;
   tangent.velocity = &rotation;
   damping.linearize(model, Clock(), tangent);
-  double rotation_force = 0;
-  for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-    for (unsigned int d = 0; d < 3; ++d)
-      rotation_force = std::max(rotation_force, std::abs(force.node(i)[d]));
-  EXPECT_LT(largest(rotation_force), 1e-13);
+  EXPECT_LT(largest_magnitude(force), 1e-13);
 
-  const NodalVector v = noise(model, 2.);
+  const NodalVector v = disordered_field(model, 2.);
   force.set_zero();
   tangent.velocity = &v;
   damping.linearize(model, Clock(), tangent);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 3
-#include <tombolo/base/input/parameters.h>
+#include "model_scene.h"
+
 #include <tombolo/formulations/particles/patch_test.h>
-#include <tombolo/model/model.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <sstream>
 #include <string>
 
@@ -28,10 +27,12 @@ namespace
 
   /** A disordered block of particles. */
   template <int dim>
-  class Cloud
+  class Cloud : public tombolo::testing::ModelScene<dim>
   {
   public:
-    explicit Cloud(const Choice &choice) : parameters(MPI_COMM_WORLD)
+    explicit Cloud(const Choice &choice) : tombolo::testing::ModelScene<dim>(text_of(choice)) {}
+
+    static std::string text_of(const Choice &choice)
     {
       std::string names = choice.clamp.empty() ? "" : "clamp", sections;
       if (!choice.clamp.empty())
@@ -55,10 +56,7 @@ namespace
            << choice.smoothing << "\nset Shape functions = " << choice.functions
            << "\nend\nend\nsubsection Material: m\nset Model = elastic\nsubsection elastic\n"
               "set Density = 2\nset Young's modulus = 3\nset Poisson's ratio = 0.3\nend\nend\n";
-      parameters.read_text(text.str(), "test.prm");
-      Model<dim>::declare_parameters(parameters);
-      parameters.assign();
-      model = std::make_unique<Model<dim>>(parameters, MPI_COMM_WORLD);
+      return text.str();
     }
 
     double defect() const
@@ -103,8 +101,7 @@ namespace
                        dealii::Utilities::MPI::sum(traction_square, MPI_COMM_WORLD));
     }
 
-    Parameters parameters;
-    std::unique_ptr<Model<dim>> model;
+    using tombolo::testing::ModelScene<dim>::model;
   };
 
   template <int dim>

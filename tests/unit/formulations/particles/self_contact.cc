@@ -75,9 +75,7 @@ namespace
   {
     body.model->update_stencils();
     const NodalState &state = body.model->state;
-    NodalVector loads, velocity;
-    loads.reinit(state.partition());
-    velocity.reinit(state.partition());
+    NodalVector loads(state.partition()), velocity(state.partition());
     if (given_velocity != nullptr)
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
         std::copy_n(given_velocity->node(i), node_stride, velocity.node(i));
@@ -247,7 +245,7 @@ TEST(SelfContact, is_the_sum_over_all_pairs_of_different_fragments)
               return Point<2>(distance * from[0] + 0.1 * noise(site, seed + 10),
                               distance * from[1] + 0.1 * noise(site, seed + 20));
             });
-        const NodalVector velocity = body.noise(static_cast<unsigned int>(seed));
+        const NodalVector velocity = disordered_field(*body.model, seed);
         const std::vector<Particle> now = forces(body, &velocity);
         // Distorted particles have come off, with spheres of another size.
         if (!std::equal(now.begin(), now.end(), before.begin(),

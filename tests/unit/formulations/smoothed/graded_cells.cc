@@ -2,6 +2,7 @@
 // ranks: 1 3
 #include "frozen_body.h"
 #include "patch_errors.h"
+#include "text_testing.h"
 
 #include <tombolo/contact/outward_areas.h>
 #include <tombolo/formulations/elements/cell_batches.h>
@@ -12,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <string>
 
@@ -30,17 +30,8 @@ namespace
     block.cells = cells;
     block.options = options;
     block.mesh_options = mesh_options;
-    std::string text = parameters_of(block);
-    const std::string type = "set Type = box\n";
-    text.insert(text.find(type) + type.size(), refinement + "\n");
-    return text;
-  }
-
-  void replace(std::string &text, const std::string &from, const std::string &to)
-  {
-    const std::size_t at = text.find(from);
-    ASSERT_NE(at, std::string::npos) << from;
-    text.replace(at, from.size(), to);
+    return changed(parameters_of(block), "set Type = box\n",
+                   "set Type = box\n" + refinement + "\n");
   }
 
   const std::string uneven = "set Disorder = 0.2\nset Surface nodes = slide";
@@ -52,8 +43,8 @@ namespace
   template <int dim>
   struct Rows
   {
-    Rows(const FrozenBody<dim> &body, const std::string &text, const bool can_move = false)
-        : parameters(read(text)), rows(parameters->section("Part: a").subsection("smoothed cells"))
+    explicit Rows(const FrozenBody<dim> &body, const bool can_move = false)
+        : rows(body.parameters.section("Part: a").subsection("smoothed cells"))
     {
       const Model<dim> &model = *body.model;
       setup.name = "a";
@@ -68,16 +59,6 @@ namespace
         rows.set_partition(*model.state.partition());
     }
 
-    static std::unique_ptr<Parameters> read(const std::string &text)
-    {
-      auto result = std::make_unique<Parameters>(MPI_COMM_WORLD);
-      result->read_text(text, "test.prm");
-      Model<dim>::declare_parameters(*result);
-      result->assign();
-      return result;
-    }
-
-    std::unique_ptr<Parameters> parameters;
     PartSetup<dim> setup;
     SmoothedGradients<dim> rows;
   };
@@ -115,7 +96,7 @@ namespace
   {
     const FrozenBody<dim> body(text);
     const Model<dim> &model = *body.model;
-    const Rows<dim> part(body, text);
+    const Rows<dim> part(body);
     const Stencils &stencils = part.rows.stencils();
     const NodalVector &position = model.state.position;
     NodalVector boundary(model.state.partition());
@@ -179,7 +160,7 @@ namespace
   {
     const FrozenBody<dim> body(text);
     const Model<dim> &model = *body.model;
-    Rows<dim> part(body, text, true);
+    Rows<dim> part(body, true);
     const auto partition = std::make_shared<const NodePartition>(
         model.nodes->owned(), part.rows.required_nodes(), MPI_COMM_WORLD);
     NodalVector position(partition);
@@ -284,10 +265,10 @@ namespace
   /** Elements where @p elements holds, and a corner of them around which cells are smaller. */
   std::string beside_elements(const std::string &elements, const std::string &refinement)
   {
-    std::string text = graded_block({6, 5, 4}, refinement, "", uneven);
-    replace(text, "set Parts = a", "set Parts = a, e");
-    replace(text, "set Cells = all", "set Cells = otherwise");
-    return text + "subsection Part: e\nset Cells = " + elements +
+    return changed(changed(graded_block({6, 5, 4}, refinement, "", uneven), "set Parts = a",
+                           "set Parts = a, e"),
+                   "set Cells = all", "set Cells = otherwise") +
+           "subsection Part: e\nset Cells = " + elements +
            "\nset Material = m\nset Formulation = fully integrated hexahedron\nend\n";
   }
 

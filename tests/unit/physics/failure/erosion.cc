@@ -2,23 +2,23 @@
 // ranks: 1 2 3
 #include <gtest/gtest.h>
 
+#include "model_scene.h"
+#include "nodal_fields.h"
+
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/input/parameters.h>
 #include <tombolo/physics/failure/erosion.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/loads.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
-#include <tombolo/physics/mechanics/step_size.h>
 
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
-#include <memory>
 #include <sstream>
 #include <string>
-#include <utility>
 #include <vector>
 
 /** Cells that are removed while a run goes on. */
@@ -29,14 +29,14 @@ namespace tombolo
     struct ErosionCase
     {
       std::string formulation = "hexahedron";
-      std::string options;
+      std::string options = "";
       std::string material = "j2 plasticity";
       bool has_heat = false;
       bool has_particles = false; ///< those at x > 2
-      std::string conditions;
+      std::string conditions = "";
       unsigned int n = 4; ///< cells along each axis, of size 1, with disorder
       double strain = 0.3;
-      std::string more; ///< further sections
+      std::string more = ""; ///< further sections
     };
 
     std::string text_of(const ErosionCase &words)
@@ -80,18 +80,11 @@ namespace tombolo
     }
 
     /** A scene between two steps, and the cells that have been strained too much. */
-    class ErodingBody
+    class ErodingBody : public testing::ModelScene<3>
     {
     public:
-      explicit ErodingBody(const ErosionCase &words) : parameters(MPI_COMM_WORLD)
+      explicit ErodingBody(const ErosionCase &words) : ModelScene(text_of(words))
       {
-        parameters.read_text(text_of(words), "test.prm");
-        Model<3>::declare_parameters(parameters);
-        parameters.handler().enter_subsection("Time step");
-        declare<StepSize<3>>(parameters.handler());
-        parameters.handler().leave_subsection();
-        parameters.assign();
-        model = std::make_unique<Model<3>>(parameters, MPI_COMM_WORLD);
         set(model->state.unsmoothed_velocity, [](const double *x)
             { return dealii::Point<3>(1. + 0.3 * x[1], 0.2 * x[0] - 0.1 * x[2], std::sin(x[0])); });
       }
@@ -123,13 +116,12 @@ namespace tombolo
 
       void set(NodalVector &vector, const std::function<dealii::Point<3>(const double *)> &value)
       {
-        for (unsigned int i = 0; i < vector.partition()->n_owned(); ++i)
-        {
-          const dealii::Point<3> node_value = value(model->state.initial_position.node(i));
-          for (unsigned int d = 0; d < 3; ++d)
-            vector.node(i)[d] = node_value[d];
-        }
-        vector.update_ghosts();
+        vector.fill(
+            [&](const unsigned int i, double *const components)
+            {
+              const dealii::Point<3> point = value(model->state.initial_position.node(i));
+              std::copy_n(&point[0], 3, components);
+            });
       }
 
       /** A stress that is smooth and different everywhere. */
@@ -234,29 +226,24 @@ namespace tombolo
         return result;
       }
 
-      Parameters parameters;
-      std::unique_ptr<Model<3>> model;
       bool has_changed = false;
     };
 
-    const std::vector<std::pair<std::string, std::string>> all_elements = {
-        {"hexahedron", ""},
+    const std::vector<ErosionCase> all_elements = {
+        {"hexahedron"},
         {"hexahedron", "set Linear bulk viscosity = 0.06"},
-        {"fully integrated hexahedron", ""},
+        {"fully integrated hexahedron"},
         {"lagrange hexahedron", "set Degree = 2"}};
 
     TEST(Erosion, mass_momentum_and_energy_are_either_left_or_lost)
     {
-      for (const auto &[formulation, options] : all_elements)
+      for (ErosionCase words : all_elements)
         for (const bool has_particles : {false, true})
         {
-          if (has_particles && formulation == "lagrange hexahedron")
+          if (has_particles && words.formulation == "lagrange hexahedron")
             continue;
-          SCOPED_TRACE(formulation + options + (has_particles ? " particles" : ""));
-          ErosionCase words;
-          words.formulation = formulation;
-          words.options = options;
           words.has_particles = has_particles;
+          SCOPED_TRACE(words.formulation + words.options + (has_particles ? " particles" : ""));
           ErodingBody body(words);
           body.stress();
           body.strain();
@@ -295,12 +282,9 @@ namespace tombolo
 
     TEST(Erosion, under_scaled_mass_what_moves_is_lost_with_its_inertia)
     {
-      for (const auto &[formulation, options] : all_elements)
+      for (ErosionCase words : all_elements)
       {
-        SCOPED_TRACE(formulation + options);
-        ErosionCase words;
-        words.formulation = formulation;
-        words.options = options;
+        SCOPED_TRACE(words.formulation + words.options);
         words.more = "subsection Scaling\nset Mass factor = 3\nset Target time step = 0.5\nend\n";
         ErodingBody body(words);
         body.strain();
@@ -318,22 +302,17 @@ namespace tombolo
 
     TEST(Erosion, every_rank_knows_that_nodes_without_mass_stand_still)
     {
-      for (const auto &[formulation, options] : all_elements)
+      for (const ErosionCase &words : all_elements)
       {
-        SCOPED_TRACE(formulation + options);
-        ErosionCase words;
-        words.formulation = formulation;
-        words.options = options;
+        SCOPED_TRACE(words.formulation + words.options);
         ErodingBody body(words);
         body.strain();
         const NodalVector &v = body.model->state.unsmoothed_velocity;
         body.erode();
         NodalVector current, mass;
-        current.reinit(v.partition());
-        current.copy_from(v);
+        current = v.copy();
         current.update_ghosts();
-        mass.reinit(v.partition(), Quantity::scalar);
-        mass.copy_from(body.model->state.mass);
+        mass = body.model->state.mass.copy();
         mass.update_ghosts();
         unsigned int n_massless_ghosts = 0;
         for (unsigned int i = 0; i < v.partition()->n_local(); ++i)
@@ -351,12 +330,9 @@ namespace tombolo
 
     TEST(Erosion, the_forces_left_are_those_of_the_cells_left)
     {
-      for (const auto &[formulation, options] : all_elements)
+      for (const ErosionCase &words : all_elements)
       {
-        SCOPED_TRACE(formulation + options);
-        ErosionCase words;
-        words.formulation = formulation;
-        words.options = options;
+        SCOPED_TRACE(words.formulation + words.options);
         ErodingBody eroded(words), soft(words);
         eroded.stress();
         eroded.strain();
@@ -409,8 +385,7 @@ namespace tombolo
         body.erode();
         MechanicalStep<3> step(*body.model);
         NodalState &state = body.model->state;
-        NodalVector before(state.partition());
-        before.copy_from(state.position);
+        NodalVector before = state.position.copy();
         Clock clock;
         clock.next_step = clock.stable_step = 1e-3;
         for (unsigned int n = 0; n < 3; ++n)
@@ -444,12 +419,9 @@ namespace tombolo
     TEST(Erosion, a_cell_inside_out_is_removed_where_the_run_would_end)
     {
       for (const double strain : {0., 0.3})
-        for (const auto &[formulation, options] : all_elements)
+        for (ErosionCase words : all_elements)
         {
-          SCOPED_TRACE(formulation + options);
-          ErosionCase words;
-          words.formulation = formulation;
-          words.options = options;
+          SCOPED_TRACE(words.formulation + words.options);
           words.strain = strain;
           ErodingBody body(words);
           // The corner at the origin is pushed through its cell, whose points recorded the loss.
@@ -488,12 +460,9 @@ namespace tombolo
 
     TEST(Erosion, the_stable_step_of_a_fragment_is_found_from_that_of_the_whole)
     {
-      for (const auto &[formulation, options] : all_elements)
+      for (const ErosionCase &words : all_elements)
       {
-        SCOPED_TRACE(formulation + options);
-        ErosionCase words;
-        words.formulation = formulation;
-        words.options = options;
+        SCOPED_TRACE(words.formulation + words.options);
         ErodingBody body(words);
         const Section section = body.parameters.section("Time step").subsection("spectral");
         SpectralEstimator<3> estimator(section), fresh(section);
@@ -532,12 +501,9 @@ namespace tombolo
     {
       // A free cell that has moved with its velocity: in half a step its internal force does the
       // work ½ Δt Σ σ : D V.
-      for (const auto &[formulation, options] : all_elements)
+      for (const ErosionCase &words : all_elements)
       {
-        SCOPED_TRACE(formulation + options);
-        ErosionCase words;
-        words.formulation = formulation;
-        words.options = options;
+        SCOPED_TRACE(words.formulation + words.options);
         ErodingBody body(words);
         body.set(body.model->state.unsmoothed_velocity,
                  [](const double *x) { return dealii::Point<3>(0.1 * x[0], 0., 0.05 * x[1]); });
@@ -571,16 +537,13 @@ namespace tombolo
     {
       // All nodes have one prescribed velocity, so that stresses stay what they are and the balance
       // has no error of the step.
-      for (const auto &[formulation, options] : all_elements)
+      for (ErosionCase words : all_elements)
         for (const bool has_particles : {false, true})
         {
-          if (has_particles && formulation == "lagrange hexahedron")
+          if (has_particles && words.formulation == "lagrange hexahedron")
             continue;
-          SCOPED_TRACE(formulation + options + (has_particles ? " particles" : ""));
-          ErosionCase words;
-          words.formulation = formulation;
-          words.options = options;
           words.has_particles = has_particles;
+          SCOPED_TRACE(words.formulation + words.options + (has_particles ? " particles" : ""));
           words.conditions = "subsection Condition: lead\nset Type = velocity\nset Where = x > "
                              "-1\nset Function = 1; 0.5; -2\nend\n"
                              "subsection Condition: pull\nset Type = traction\nset Boundary = y "
@@ -670,13 +633,8 @@ namespace tombolo
         body.for_points([&](const unsigned int i, const dealii::Point<3> &)
                         { body.values("plastic work")[i] = 0.2; });
         body.strain();
-        const auto content = [&](const NodalVector &enthalpy)
-        {
-          double sum = 0;
-          for (unsigned int i = 0; i < n_owned; ++i)
-            sum += *enthalpy.node(i);
-          return ErodingBody::sum(sum);
-        };
+        const auto content = [](const NodalVector &enthalpy)
+        { return testing::sum_of_nodes(enthalpy); };
         const double now = content(heat.state.enthalpy), next = content(heat.state.next_enthalpy);
         const double pending = ErodingBody::sum(body.part().pending_plastic_heat());
         body.erode();
@@ -705,18 +663,10 @@ namespace tombolo
         std::vector<double> heats;
         heat.find_field(heat.state.unsmoothed_temperature, heat.state.temperature);
         heat.heat_rate(body.model->state.position, heat.state.temperature, 0., rate, heats);
-        double sum = 0, largest = 0;
         for (unsigned int i = 0; i < n_owned; ++i)
-        {
-          sum += *rate.node(i);
-          largest = std::max(largest, std::abs(*rate.node(i)));
-          if (*body.model->state.mass.node(i) == 0.)
-          {
-            EXPECT_EQ(*rate.node(i), 0.);
-          }
-        }
-        EXPECT_GT(dealii::Utilities::MPI::max(largest, MPI_COMM_WORLD), 1e-2);
-        EXPECT_NEAR(ErodingBody::sum(sum), 0., 1e-10);
+          EXPECT_TRUE(*body.model->state.mass.node(i) != 0. || *rate.node(i) == 0.);
+        EXPECT_GT(testing::largest_magnitude(rate), 1e-2);
+        EXPECT_NEAR(testing::sum_of_nodes(rate), 0., 1e-10);
       }
     }
 
@@ -733,10 +683,7 @@ namespace tombolo
       const double pending = ErodingBody::sum(body.part().pending_plastic_heat());
       EXPECT_GT(pending, 1.);
       body.model->heat->add_plastic_heat(given);
-      double received = 0;
-      for (unsigned int i = 0; i < given.partition()->n_owned(); ++i)
-        received += *given.node(i);
-      EXPECT_NEAR(ErodingBody::sum(received), pending, 1e-12 * pending);
+      EXPECT_NEAR(testing::sum_of_nodes(given), pending, 1e-12 * pending);
       EXPECT_NEAR(body.part().pending_plastic_heat(), 0., 1e-14 * pending);
     }
 

@@ -2,15 +2,13 @@
 // ranks: 1 2
 // Energies and momenta that are booked while bodies are loaded, moved and damped.
 #include "frozen_body.h"
-
-#include <tombolo/physics/mechanics/energy_ledger.h>
+#include "nodal_fields.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -21,22 +19,19 @@ namespace tombolo
     {
       constexpr double damping_rate = 0.7;
 
-      struct BalancedBody : FrozenBody<3>
+      struct BalancedBody : BookedBody
       {
         BalancedBody(const Block &block, const double rate)
-            : FrozenBody<3>(parameters_of(block) +
-                            "subsection Damping\nset Rate = " + std::to_string(rate) + "\nend\n")
+            : BookedBody(parameters_of(block) +
+                         "subsection Damping\nset Rate = " + std::to_string(rate) + "\nend\n")
         {}
 
         void set_velocity(const double wave)
         {
           NodalVector &v = model->state.unsmoothed_velocity;
-          for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
-          {
-            const double *const x = model->state.initial_position.node(i);
-            for (unsigned int d = 0; d < 3; ++d)
-              v.node(i)[d] = 0.01 * (1. + d) * (1. + wave * std::sin(1.3 * x[0] + 0.7 * x[1] + d));
-          }
+          v.copy_from(vector_field(
+              *model, [&](const double *const x, const unsigned int d)
+              { return 0.01 * (1. + d) * (1. + wave * std::sin(1.3 * x[0] + 0.7 * x[1] + d)); }));
           model->conditions->prescribe_initial_velocity(model->state, 0., 1e-3);
           v.update_ghosts();
         }
@@ -44,20 +39,8 @@ namespace tombolo
         /** A step of its own size after the first, so that Δt_n is none of them. */
         EnergyBalance next(const double time_step)
         {
-          clock.next_step = time_step;
-          clock.stable_step = 2. * time_step;
-          motion.evaluate(clock);
-          motion.complete(clock);
-          motion.check_now();
-          const EnergyBalance balance = ledger.balance(*model, clock);
-          motion.advance(clock);
-          clock.advance();
-          return balance;
+          return BookedBody::next(time_step, 2. * time_step);
         }
-
-        EnergyLedger ledger;
-        MechanicalStep<3> motion{*model};
-        Clock clock;
       };
 
       std::vector<Block> all_methods(const std::string &conditions)

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
+#include "model_scene.h"
 #include <tombolo/boundary/mechanical_conditions.h>
-#include <tombolo/model/model.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <memory>
 #include <string>
 
 namespace
@@ -19,35 +18,32 @@ namespace
    * speed, with which one end is driven. Returns the balance after some steps. */
   EnergyBalance balance_at(const double speed, const char *const smoothing)
   {
-    Parameters parameters(MPI_COMM_WORLD);
-    parameters.read_text(
+    const auto scene = tombolo::testing::make_model<2>(
         "set Dimension = 2\nset Parts = b\nset Materials = m\nset Conditions = drive\n"
         "subsection Mesh\nset Type = box\nsubsection box\nset Upper corner = 6, 4\nset Cells = 6, "
         "4\n"
         "end\nend\nsubsection Part: b\nset Cells = all\nset Material = m\n"
         "set Formulation = momentum consistent particle\nsubsection momentum consistent particle\n"
         "set Smoothing = " +
-            std::string(smoothing) +
-            "\nset Dilatation = of particles\nend\nend\nsubsection Material: m\nset Model = "
-            "elastic\nsubsection elastic\n"
-            "set Density = 1\nset Young's modulus = 1\nset Poisson's ratio = 0.3\nend\nend\n"
-            "subsection Condition: drive\nset Type = velocity\nset Where = x < 1e-9\nset Function "
-            "= " +
-            std::to_string(speed) +
-            "; 0\nend\nsubsection Lattice filter\nset Power = 1\nset Interval = 2\nend\n",
-        "test.prm");
-    Model<2>::declare_parameters(parameters);
-    parameters.assign();
-    Model<2> model(parameters, MPI_COMM_WORLD);
+        std::string(smoothing) +
+        "\nset Dilatation = of particles\nend\nend\nsubsection Material: m\nset Model = "
+        "elastic\nsubsection elastic\n"
+        "set Density = 1\nset Young's modulus = 1\nset Poisson's ratio = 0.3\nend\nend\n"
+        "subsection Condition: drive\nset Type = velocity\nset Where = x < 1e-9\nset Function "
+        "= " +
+        std::to_string(speed) +
+        "; 0\nend\nsubsection Lattice filter\nset Power = 1\nset Interval = 2\nend\n");
+    Model<2> &model = *scene;
     MechanicalStep<2> step(model);
     EnergyLedger ledger;
     NodalVector &v = model.state.unsmoothed_velocity;
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-    {
-      const double *const x = model.state.initial_position.node(i);
-      v.node(i)[0] = speed + 0.01 * std::cos(M_PI * (x[0] + x[1])) + 0.01 * std::sin(x[0]);
-      v.node(i)[1] = 0.;
-    }
+    v.fill(
+        [&](const unsigned int i, double *const components)
+        {
+          const double *const x = model.state.initial_position.node(i);
+          components[0] = speed + 0.01 * std::cos(M_PI * (x[0] + x[1])) + 0.01 * std::sin(x[0]);
+          components[1] = 0.;
+        });
     Clock clock;
     clock.next_step = 0.1;
     model.conditions->prescribe_initial_velocity(model.state, 0., clock.next_step);

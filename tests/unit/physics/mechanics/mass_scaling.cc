@@ -2,8 +2,9 @@
 // ranks: 1 2 3
 // Scaled inertia: what it multiplies, what it leaves alone, and what is booked of it.
 #include "frozen_body.h"
+#include "nodal_fields.h"
+#include "text_testing.h"
 
-#include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/loads.h>
 #include <tombolo/physics/mechanics/mass_scaling.h>
 
@@ -36,13 +37,6 @@ namespace
     return block;
   }
 
-  void replace(std::string &text, const std::string &from, const std::string &to)
-  {
-    const std::size_t position = text.find(from);
-    AssertThrow(position != std::string::npos, dealii::ExcMessage("no " + from));
-    text.replace(position, from.size(), to);
-  }
-
   std::string scaled(std::string text, const std::string &entries)
   {
     return text + "subsection Scaling\n" + entries + "\nend\n";
@@ -50,19 +44,10 @@ namespace
 
   std::string layered(const std::string &kind, const double poisson = 0.3)
   {
-    std::string text = parameters_of(block_of(kind, poisson));
-    replace(text, "set Upper corner = 6,", "set Upper corner = 5.5,");
-    replace(text, "set Cells = 6, 2, 2",
-            "set Cells = 2 to 2 | 2 to 2.5 | 1 to 3 | 2 to 3.5 | 2 to 5.5; 2; 2");
-    return text;
-  }
-
-  double sum(const NodalVector &scalar)
-  {
-    double result = 0;
-    for (unsigned int i = 0; i < scalar.partition()->n_owned(); ++i)
-      result += *scalar.node(i);
-    return dealii::Utilities::MPI::sum(result, MPI_COMM_WORLD);
+    return changed(changed(parameters_of(block_of(kind, poisson)), "set Upper corner = 6,",
+                           "set Upper corner = 5.5,"),
+                   "set Cells = 6, 2, 2",
+                   "set Cells = 2 to 2 | 2 to 2.5 | 1 to 3 | 2 to 3.5 | 2 to 5.5; 2; 2");
   }
 
   /** The mass that a cell or particle of this length and mass needs for the target. */
@@ -88,8 +73,8 @@ TEST(Scaling, a_uniform_factor_multiplies_steps_by_its_root_and_leaves_mass_and_
                 1e-12);
     EXPECT_NEAR(body.estimator->estimate(*body.model).time_step,
                 5. * plain.estimator->estimate(*plain.model).time_step, 1e-10);
-    EXPECT_NEAR(sum(body.model->state.mass), 25. * 24., 1e-9);
-    EXPECT_NEAR(sum(body.model->body_mass()), 24., 1e-10);
+    EXPECT_NEAR(sum_of_nodes(body.model->state.mass), 25. * 24., 1e-9);
+    EXPECT_NEAR(sum_of_nodes(body.model->body_mass()), 24., 1e-10);
     EXPECT_EQ(plain.model->find_process<MassScaling<3>>(), nullptr);
     EXPECT_EQ(&plain.model->body_mass(), &plain.model->state.mass);
     const auto masses = body.model->find_process<MassScaling<3>>()->masses(*body.model);
@@ -166,8 +151,8 @@ TEST(Scaling, the_spectral_step_is_that_of_the_scaled_masses)
       if (kind == "lagrange hexahedron") // too many nodes for matrices
         continue;
       SCOPED_TRACE(kind + " " + bridge);
-      std::string text = layered(kind);
-      replace(text, "set Bridge = paper", std::string("set Bridge = ") + bridge);
+      const std::string text =
+          changed(layered(kind), "set Bridge = paper", std::string("set Bridge = ") + bridge);
       FrozenBody<3> plain(text);
       FrozenBody<3> body(scaled(text,
                                 "set Target time step = 2.3\nset Mass factor = 2\nset Process time "
@@ -187,21 +172,19 @@ TEST(Scaling, weight_and_heat_capacity_are_those_of_the_true_mass)
   for (const std::string &kind : all_kinds)
   {
     SCOPED_TRACE(kind);
-    std::string text = layered(kind) +
-                       "set Conditions = g\nsubsection Condition: g\nset Type = body force\nset "
-                       "Function = 0; 0; -3\nend\n";
-    replace(text, "subsection Material: m\n",
-            "subsection Material: m\nsubsection Heat\nset Specific heat capacity = 7\nset "
-            "Conductivity = 1\nset Initial temperature = 0\nend\n");
+    const std::string text =
+        changed(layered(kind), "subsection Material: m\n",
+                "subsection Material: m\nsubsection Heat\nset Specific heat capacity = 7\nset "
+                "Conductivity = 1\nset Initial temperature = 0\nend\n") +
+        "set Conditions = g\nsubsection Condition: g\nset Type = body force\nset "
+        "Function = 0; 0; -3\nend\n";
     FrozenBody<3> body(scaled(text, "set Target time step = 0.8\nset Mass factor = 1.5"));
     MechanicalStep<3> step(*body.model);
     step.evaluate(Clock());
-    double weight = 0;
-    for (unsigned int i = 0; i < body.model->state.partition()->n_owned(); ++i)
-      weight += body.model->find_process<Loads<3>>()->action().given().node(i)[2];
-    EXPECT_NEAR(dealii::Utilities::MPI::sum(weight, MPI_COMM_WORLD), -3. * 22., 1e-9);
-    EXPECT_NEAR(sum(body.model->heat->bridge.mass()), 7. * 22., 1e-9);
-    EXPECT_GT(sum(body.model->state.mass), 1.5 * 22. + 0.5);
+    EXPECT_NEAR(sum_of_nodes(body.model->find_process<Loads<3>>()->action().given(), 2), -3. * 22.,
+                1e-9);
+    EXPECT_NEAR(sum_of_nodes(body.model->heat->bridge.mass()), 7. * 22., 1e-9);
+    EXPECT_GT(sum_of_nodes(body.model->state.mass), 1.5 * 22. + 0.5);
   }
 }
 
@@ -246,10 +229,10 @@ TEST(Scaling, mass_is_added_as_cells_shrink_and_never_taken_away_and_is_booked)
     EXPECT_FALSE(raise_masses(8));
     NodalVector before(state.partition(), Quantity::scalar);
     before.copy_from(model.bridge->mass());
-    const double mass_before = sum(state.mass);
+    const double mass_before = sum_of_nodes(state.mass);
     EXPECT_TRUE(raise_masses(14));
     EXPECT_NEAR(courant_limit(model).time_step, 0.9, 1e-12);
-    const double mass_after = sum(state.mass);
+    const double mass_after = sum_of_nodes(state.mass);
     EXPECT_GT(mass_after, mass_before + 1.);
     EXPECT_FALSE(raise_masses(21));
 
@@ -270,6 +253,6 @@ TEST(Scaling, mass_is_added_as_cells_shrink_and_never_taken_away_and_is_booked)
 
     state.position.copy_from(state.initial_position);
     EXPECT_FALSE(raise_masses(28));
-    EXPECT_EQ(sum(state.mass), mass_after);
+    EXPECT_EQ(sum_of_nodes(state.mass), mass_after);
   }
 }

@@ -40,31 +40,19 @@ namespace tombolo
                "\nset Cells = " + cells + "\nset Disorder = 0.2\nend\n";
       }
 
-      struct RigidScene : FrozenBody<3>
+      struct RigidScene : BookedBody
       {
-        explicit RigidScene(const std::string &text) : FrozenBody<3>(text) {}
+        using BookedBody::BookedBody;
 
         EnergyBalance next(const double time_step)
         {
-          clock.next_step = time_step;
-          clock.stable_step = time_step;
-          motion.evaluate(clock);
-          motion.complete(clock);
-          motion.check_now();
-          const EnergyBalance balance = ledger.balance(*model, clock);
-          motion.advance(clock);
-          clock.advance();
-          return balance;
+          return BookedBody::next(time_step, time_step);
         }
 
         const RigidBody<3> &body() const
         {
           return model->find_process<RigidBodies<3>>()->all().front();
         }
-
-        EnergyLedger ledger;
-        MechanicalStep<3> motion{*model};
-        Clock clock;
       };
 
       const std::string free_motion = "set Displacement = free; free; free\nset Rotation = free\n";
