@@ -3,11 +3,13 @@
 #include "frozen_body.h"
 #include "mesh_file_testing.h"
 
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <set>
@@ -180,13 +182,13 @@ namespace tombolo
           for (const auto &process : model.processes)
             process->records.restore();
           NodalVector &position = model.state.position;
-          for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
-          {
-            const double *const x = model.state.initial_position.node(i);
-            const Tensor<1, 3> u = share * move(Tensor<1, 3>({x[0], x[1], x[2]}));
-            for (unsigned int d = 0; d < 3; ++d)
-              position.node(i)[d] = x[d] + u[d];
-          }
+          position.fill(
+              [&](const unsigned int i, double *const at)
+              {
+                const auto x = vector_of<3>(model.state.initial_position.node(i));
+                const Tensor<1, 3> now = x + share * move(x);
+                std::copy_n(&now[0], 3, at);
+              });
           position.node(static_cast<unsigned int>(dof.first))[dof.second] += further;
           position.update_ghosts();
           force.set_zero();

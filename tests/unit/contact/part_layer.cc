@@ -11,8 +11,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
@@ -38,19 +36,7 @@ namespace tombolo
                     { return cell->center()[0] > begin; })
         {
           layer.set_partition(*partition);
-          position.reinit(partition);
-          std::vector<dealii::types::global_dof_index> cell_nodes;
-          std::vector<dealii::Point<dim>> points;
-          for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-          {
-            if (!cell->is_locally_owned())
-              continue;
-            nodes.cell_nodes(cell, cell_nodes);
-            nodes.cell_points(cell, points);
-            for (std::size_t k = 0; k < points.size(); ++k)
-              for (unsigned int d = 0; d < dim; ++d)
-                position.node(partition->local_index(cell_nodes[k]))[d] = points[k][d];
-          }
+          position = initial_positions(nodes, partition);
         }
 
         MeshScene<dim> scene;

@@ -1,50 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 3
-#include <tombolo/contact/surface_contact.h>
-
-#include <mesh_testing.h>
+#include "plate_on_wall.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <memory>
-#include <vector>
 
 namespace
 {
   using namespace tombolo;
   using namespace tombolo::testing;
 
-  /** A plate on a wall without friction, whose nodes are placed by a function. */
-  class PlacedPlate
+  /** Without friction, and placed by a function. */
+  class PlacedPlate : public PlateOnWall
   {
   public:
-    PlacedPlate()
-        : scene("box", "set Upper corner = 2, 1\nset Cells = 6, 3"), parameters(MPI_COMM_WORLD)
-    {
-      parameters.read_text("subsection Contact: wall\nset Surface = plane\nset Damping = 0\n"
-                           "subsection plane\nset Point = 0, 0\nset Normal = 0, 1\nend\nend\n",
-                           "plate.prm");
-      parameters.handler().enter_subsection("Contact: wall");
-      ContactScene<2>::declare(parameters.handler());
-      parameters.handler().leave_subsection();
-      parameters.assign();
-      mesh = scene.create_mesh();
-      nodes = std::make_unique<Nodes<2>>(*mesh, 1);
-      start_at(*nodes, state);
-      ContactScene<2> contact_scene{parameters.section("Contact: wall"),
-                                    *mesh,
-                                    *nodes,
-                                    state,
-                                    std::vector<bool>(state.partition()->n_owned(), false),
-                                    false,
-                                    std::vector<double>(state.partition()->n_owned(), 1.),
-                                    {}};
-      contact = make_penalty_contact(contact_scene);
-      loads.reinit(state.partition());
-      clock.next_step = clock.stable_step = 0.1;
-    }
-
+    PlacedPlate() : PlateOnWall("set Damping = 0\n") {}
     /** Nodes go down by @p first at the left end and @p last at the right one. */
     void put(const double first, const double last)
     {
@@ -68,15 +39,6 @@ namespace
     {
       return contact->balance(MPI_COMM_WORLD).elastic;
     }
-
-    MeshScene<2> scene;
-    Parameters parameters;
-    std::unique_ptr<Mesh<2>> mesh;
-    std::unique_ptr<Nodes<2>> nodes;
-    NodalState state;
-    std::unique_ptr<SurfaceContact<2>> contact;
-    NodalVector loads;
-    Clock clock;
   };
 
   TEST(PlacedNodes, leave_springs_as_deep_as_the_next_forces_find_them)
@@ -91,8 +53,7 @@ namespace
       plate.add_forces();
       const double before = plate.stored();
       EXPECT_GT(before, 0.);
-      NodalVector from(plate.state.partition());
-      from.copy_from(plate.state.position);
+      NodalVector from = plate.state.position.copy();
       from.update_ghosts();
       plate.put(first, last);
       plate.contact->place_nodes(plate.state, from, plate.clock);

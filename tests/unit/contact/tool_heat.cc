@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 3
+#include "model_scene.h"
+#include "output_test_directory.h"
+#include "plate_on_wall.h"
+
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/outward_areas.h>
-#include <tombolo/contact/surface_contact.h>
-#include <tombolo/model/model.h>
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 #include <tombolo/state/state_archive.h>
-
-#include <mesh_testing.h>
-
-#include "output_test_directory.h"
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <tuple>
@@ -26,48 +23,22 @@ using namespace tombolo::testing;
 
 namespace
 {
-  /** A plate on a wall with friction, whose nodes are moved by hand. */
-  class SlidingPlate
+  /** With friction, capacities, and a motion. */
+  class SlidingPlate : public PlateOnWall
   {
   public:
     SlidingPlate(const std::string &entries, const bool has_heat,
                  const std::string &wall_position = "0")
-        : model("box", "set Upper corner = 2, 1\nset Cells = 6, 3"), parameters(MPI_COMM_WORLD)
+        : PlateOnWall(
+              (entries.find("Friction") != std::string::npos ? "" : "set Friction = 0.3\n") +
+                  entries,
+              has_heat, wall_position)
     {
-      const bool has_friction = entries.find("Friction") != std::string::npos;
-      parameters.read_text("subsection Contact: wall\nset Surface = plane\n" +
-                               std::string(has_friction ? "" : "set Friction = 0.3\n") + entries +
-                               "subsection plane\nset Point = 0, " + wall_position +
-                               "\nset Normal = 0, 1\nend\nend\n",
-                           "plate.prm");
-      parameters.handler().enter_subsection("Contact: wall");
-      ContactScene<2>::declare(parameters.handler());
-      parameters.handler().leave_subsection();
-      parameters.assign();
-      const Section section = parameters.section("Contact: wall");
-      ContactScene<2>::validate(section, has_heat);
-
-      mesh = model.create_mesh();
-      nodes = std::make_unique<Nodes<2>>(*mesh, 1);
-      start_at(*nodes, state);
-      ContactScene<2> scene{section,
-                            *mesh,
-                            *nodes,
-                            state,
-                            std::vector<bool>(state.partition()->n_owned(), false),
-                            has_heat,
-                            std::vector<double>(state.partition()->n_owned(), 1.),
-                            {}};
-      contact = make_penalty_contact(scene);
-      parameters.refuse_unused();
       add_capacities();
-      loads.reinit(state.partition());
       for (NodalVector *const vector : {&heat, &waiting})
         vector->reinit(state.partition(), Quantity::scalar);
       given_now.set_partition(state.partition());
-      clock.next_step = clock.stable_step = 0.1;
     }
-
     /** Moves to and fro along the wall, into it and, at the left end, out of it again. */
     void advance()
     {
@@ -141,16 +112,9 @@ namespace
       return contact->balance(MPI_COMM_WORLD).friction;
     }
 
-    MeshScene<2> model;
-    Parameters parameters;
-    std::unique_ptr<Mesh<2>> mesh;
-    std::unique_ptr<Nodes<2>> nodes;
-    NodalState state;
-    std::unique_ptr<SurfaceContact<2>> contact;
-    NodalVector loads, heat, waiting, temperature;
+    NodalVector heat, waiting, temperature;
     HeatAction given_now{"heat", "heat"};
     NodalEnthalpy enthalpy;
-    Clock clock;
 
   private:
     /** Capacities of 2 per mass below 40 degrees and of 4 above 50, at 10 degrees: √(k ρ c) is 6
@@ -315,16 +279,17 @@ TEST(ContactEntries, that_cannot_be_are_refused)
 {
   const auto refusal = [](const std::string &entries)
   { return input_error([&] { SlidingPlate plate(entries, true); }); };
-  EXPECT_TRUE(contains(refusal("set Shear limit = 0\n"), "\"Contact: wall/Shear limit\" = \"0\""));
-  EXPECT_TRUE(contains(refusal("set Radius = -1\n"), "\"Contact: wall/Radius\" = \"-1\""));
-  EXPECT_TRUE(contains(refusal("set Heat fraction = half\n"),
-                       "\"Contact: wall/Heat fraction\" = \"half\": allowed is a number from 0 to "
-                       "1, or \"by effusivity\"."));
-  EXPECT_TRUE(contains(refusal("set Heat fraction = by effusivity\n"),
-                       "the entry \"Tool effusivity\" is missing"));
-  EXPECT_TRUE(contains(refusal("set Heat fraction = by effusivity\nset Tool effusivity = 0\n"),
-                       "allowed are numbers above 0"));
-  EXPECT_TRUE(contains(refusal("set Tool effusivity = 3\n"), "has no effect"));
+  const char *const cases[][2] = {
+      {"set Shear limit = 0\n", "\"Contact: wall/Shear limit\" = \"0\""},
+      {"set Radius = -1\n", "\"Contact: wall/Radius\" = \"-1\""},
+      {"set Heat fraction = half\n", "\"Contact: wall/Heat fraction\" = \"half\": allowed is a "
+                                     "number from 0 to 1, or \"by effusivity\"."},
+      {"set Heat fraction = by effusivity\n", "the entry \"Tool effusivity\" is missing"},
+      {"set Heat fraction = by effusivity\nset Tool effusivity = 0\n",
+       "allowed are numbers above 0"},
+      {"set Tool effusivity = 3\n", "has no effect"}};
+  for (const auto &[entries, message] : cases)
+    EXPECT_TRUE(contains(refusal(entries), message)) << entries;
 }
 
 TEST(ContactHeat, does_nothing_in_a_scene_without_heat)
@@ -547,21 +512,17 @@ TEST(ContactConduction, of_two_tools_at_a_node_leads_past_neither_whatever_their
                  "\nset Heat capacity = " + capacity +
                  "\nsubsection plane\nset Point = 0, 0\nset Normal = 0, 1\nend\nend\n";
         };
-        Parameters parameters(MPI_COMM_WORLD);
-        parameters.read_text(
+        const auto scene = make_model<2>(
             "set Dimension = 2\nset Materials = m\nset Parts = a\nset Contacts = " +
-                std::string(hot_is_first ? "hot, cold" : "cold, hot") +
-                "\nsubsection Mesh\nset Type = box\nsubsection box\nset Upper corner = 3, 1\nset "
-                "Cells = 6, 2\nend\nend\nsubsection Part: a\nset Cells = all\nset Formulation = "
-                "hexahedron\nset Material = m\nend\nsubsection Material: m\nset Model = elastic\n"
-                "subsection elastic\nset Density = 1\nset Young's modulus = 1\nset Poisson's ratio "
-                "= 0\nend\nsubsection Heat\nset Specific heat capacity = 20: 2, 60: 5\nset "
-                "Conductivity = 0\nset Initial temperature = 25\nend\nend\n" +
-                tool("hot", "80") + tool("cold", "10"),
-            "two.prm");
-        Model<2>::declare_parameters(parameters);
-        parameters.assign();
-        Model<2> model(parameters, MPI_COMM_WORLD);
+            std::string(hot_is_first ? "hot, cold" : "cold, hot") +
+            "\nsubsection Mesh\nset Type = box\nsubsection box\nset Upper corner = 3, 1\nset "
+            "Cells = 6, 2\nend\nend\nsubsection Part: a\nset Cells = all\nset Formulation = "
+            "hexahedron\nset Material = m\nend\nsubsection Material: m\nset Model = elastic\n"
+            "subsection elastic\nset Density = 1\nset Young's modulus = 1\nset Poisson's ratio "
+            "= 0\nend\nsubsection Heat\nset Specific heat capacity = 20: 2, 60: 5\nset "
+            "Conductivity = 0\nset Initial temperature = 25\nend\nend\n" +
+            tool("hot", "80") + tool("cold", "10"));
+        Model<2> &model = *scene;
         const unsigned int n_owned = model.state.partition()->n_owned();
         for (unsigned int i = 0; i < n_owned; ++i)
         {
@@ -607,10 +568,7 @@ TEST(ContactConduction, of_two_tools_at_a_node_leads_past_neither_whatever_their
 TEST(ContactConduction, temperature_of_the_tool_is_in_a_checkpoint)
 {
   const TestDirectory directory("tool_heat");
-  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-    std::filesystem::create_directories(directory.path);
-  MPI_Barrier(MPI_COMM_WORLD);
-  const std::string file = directory.path + "/tool.h5";
+  const std::string file = directory.create("tool.h5");
   const std::string entries =
       "set Conductance = 2\nset Tool temperature = 35\nset Heat capacity = 5\n";
   SlidingPlate plate(entries, true), resumed(entries, true);
@@ -668,12 +626,7 @@ TEST(OutwardAreas, enclose_the_volume_of_a_distorted_box)
     constexpr int dim = std::decay_t<decltype(nodes.dof_handler())>::dimension;
     const auto partition = std::make_shared<const NodePartition>(nodes.owned(), nodes.relevant(),
                                                                  nodes.communicator());
-    NodalVector position(partition);
-    for_owned_nodes(nodes,
-                    [&](const auto number, const dealii::Point<dim> &point) {
-                      std::copy_n(&point[0], dim, position.node(partition->local_index(number)));
-                    });
-    position.update_ghosts();
+    const NodalVector position = initial_positions(nodes, partition);
     OutwardAreas<dim> areas(nodes, {});
     areas.set_partition(partition);
     areas.update(position);
@@ -712,20 +665,7 @@ TEST(OutwardAreas, leave_faces_of_isolated_nodes_out)
   const Nodes<2> nodes(*mesh, 1);
   const auto partition =
       std::make_shared<const NodePartition>(nodes.owned(), nodes.relevant(), nodes.communicator());
-  NodalVector position(partition);
-  std::vector<dealii::types::global_dof_index> cell_nodes;
-  std::vector<dealii::Point<2>> points;
-  for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-    if (!cell->is_artificial())
-    {
-      nodes.cell_nodes(cell, cell_nodes);
-      nodes.cell_points(cell, points);
-      for (unsigned int k = 0; k < points.size(); ++k)
-        if (nodes.owned().is_element(cell_nodes[k]))
-          for (unsigned int d = 0; d < 2; ++d)
-            position.node(partition->local_index(cell_nodes[k]))[d] = points[k][d];
-    }
-  position.update_ghosts();
+  const NodalVector position = initial_positions(nodes, partition);
   OutwardAreas<2> areas(nodes, {});
   areas.set_partition(partition);
   const auto at = [&](const unsigned int i, const double x)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "material_testing.h"
+#include "text_testing.h"
 #include "tool_surfaces.h"
 
 #include <tombolo/contact/contact_surface.h>
@@ -240,15 +241,7 @@ namespace tombolo
 
       std::string message_of(const std::string &name, const std::string &entries)
       {
-        try
-        {
-          make_plugin<ContactSurface<3>>(name, entries);
-        }
-        catch (const InputError &error)
-        {
-          return error.what();
-        }
-        return "";
+        return input_error([&] { make_plugin<ContactSurface<3>>(name, entries); });
       }
 
       TEST(Tools, that_cannot_be_made_are_refused_with_their_place)
