@@ -10,6 +10,9 @@
 #include <deal.II/base/numbers.h>
 #include <deal.II/base/utilities.h>
 
+#include <boost/algorithm/string/case_conv.hpp>
+#include <boost/io/ios_state.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -203,9 +206,7 @@ namespace tombolo
         if (token.kind == ExpressionToken::name)
         {
           const auto &name = token.text;
-          std::string lower = name;
-          for (char &c : lower)
-            c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+          const std::string lower = boost::to_lower_copy(name);
           if (lower == "and" || lower == "or")
             return " Write " + in_quotes(lower == "and" ? "&&" : "||") + " instead of " +
                    in_quotes(name) + ".";
@@ -228,23 +229,6 @@ namespace tombolo
           return " Write \"^\" instead of \"**\".";
       return "";
     }
-
-    /** The parser reports to std::cerr and throws; keeps the first from happening. */
-    class SilentErrorStream
-    {
-    public:
-      SilentErrorStream() : buffer(std::cerr.rdbuf(nullptr)) {}
-      ~SilentErrorStream()
-      {
-        std::cerr.rdbuf(buffer);
-        std::cerr.clear();
-      }
-      SilentErrorStream(const SilentErrorStream &) = delete;
-      SilentErrorStream &operator=(const SilentErrorStream &) = delete;
-
-    private:
-      std::streambuf *buffer;
-    };
 
     std::string parser_message(const ExceptionBase &exception)
     {
@@ -293,33 +277,16 @@ namespace tombolo
       return false;
     }
 
-    std::vector<std::string> split_components(const std::string &text)
-    {
-      std::vector<std::string> components;
-      for (std::size_t begin = 0; begin <= text.size();)
-      {
-        const std::size_t end = std::min(text.find(';', begin), text.size());
-        components.push_back(Utilities::trim(text.substr(begin, end - begin)));
-        begin = end + 1;
-      }
-      return components;
-    }
-
     void check_number(const std::vector<std::string> &texts, const unsigned int n_components,
                       const Section &section, const std::string &entry)
     {
-      if (texts.size() != n_components || (n_components == 1 && texts[0].empty()))
-      {
-        const bool is_empty = texts.size() == 1 && texts[0].empty();
-        section.fail(entry,
-                     (n_components == 1 ? "one expression is needed"
-                                        : std::to_string(n_components) +
-                                              " components, separated by \";\", are needed") +
-                         ", found " + (is_empty ? "none" : std::to_string(texts.size())) + ".");
-      }
+      if (texts.size() != n_components)
+        section.fail(
+            entry, (n_components == 1 ? "one expression is needed"
+                                      : std::to_string(n_components) +
+                                            " components, separated by \";\", are needed") +
+                       ", found " + (texts.empty() ? "none" : std::to_string(texts.size())) + ".");
     }
-
-    const std::string free_word = "free";
   } // namespace
 
   template <int dim>
@@ -327,13 +294,11 @@ namespace tombolo
   {
     struct Component
     {
-      std::string text;
       bool is_free = false;
-      bool is_constant = false;
       bool depends_on_time = false;
       bool depends_on_position = false;
       double constant = 0;
-      std::unique_ptr<SpaceTimeFunction<dim>> function; ///< of components that are not constant
+      std::unique_ptr<SpaceTimeFunction<dim>> function; ///< null: the component is constant
     };
 
     std::vector<Component> components;
@@ -343,50 +308,48 @@ namespace tombolo
   template <int dim>
   Expression<dim>::Expression(const Section &section, const std::string &entry,
                               const unsigned int n_components, const bool allow_free)
-      : implementation(std::make_unique<Implementation>())
   {
-    auto &components = implementation->components;
-    const std::string whole_text = section.get(entry);
-    implementation->description = section.describe(entry);
-    const auto texts = split_components(whole_text);
+    const auto parts = std::make_shared<Implementation>();
+    implementation = parts;
+    const auto texts = split_list(section.get(entry), ';');
+    parts->description = section.describe(entry);
     check_number(texts, n_components, section, entry);
 
     for (unsigned int c = 0; c < n_components; ++c)
     {
       const std::string which =
           n_components == 1 ? "" : "component " + std::to_string(c + 1) + ": ";
-      auto &component = components.emplace_back();
-      component.text = texts[c];
-      if (component.text.empty())
+      auto &component = parts->components.emplace_back();
+      if (texts[c].empty())
         section.fail(entry, which + "there is no expression.");
-      if (component.text == free_word)
+      if (texts[c] == "free")
       {
         if (!allow_free)
           section.fail(entry, which + "\"free\" is not allowed here: a value is needed.");
         component.is_free = true;
-        component.is_constant = true;
         continue;
       }
-      const TableCalls calls(component.text);
+      const TableCalls calls(texts[c]);
       const auto tokens = tokens_of(calls);
       const auto names = variables_of_expressions(dim);
       component.depends_on_time = has_name(tokens, "t");
       component.depends_on_position = std::any_of(
           names.begin(), names.end(),
           [&](const std::string &name) { return name != "t" && has_name(tokens, name); });
-      component.is_constant = !component.depends_on_time && !component.depends_on_position;
+      const bool is_constant = !component.depends_on_time && !component.depends_on_position;
 
       bool is_parsed = false;
       bool is_finite = false;
       std::string message = "the parser cannot read it";
       try
       {
-        const SilentErrorStream silent;
+        // The parser reports to std::cerr, too.
+        const boost::io::ios_rdbuf_saver silent(std::cerr, nullptr);
         component.function = std::make_unique<SpaceTimeFunction<dim>>(calls, section, entry);
         component.constant = component.function->evaluate(Point<dim>(), 0.);
         is_parsed = true;
         is_finite = std::isfinite(component.constant) ||
-                    (!component.is_constant && is_finite_somewhere(*component.function));
+                    (!is_constant && is_finite_somewhere(*component.function));
       }
       catch (const InputError &)
       {
@@ -406,26 +369,17 @@ namespace tombolo
       const std::string problem = misunderstanding(tokens);
       if (!problem.empty())
         section.fail(entry, which + problem);
-      if (!is_finite && component.is_constant)
+      if (!is_finite && is_constant)
         section.fail(entry, which + "the value is not finite.");
       if (!is_finite)
         section.fail(entry, which + "the value is not finite at any of " +
                                 std::to_string(n_probes) +
                                 " points and times that were tried. If it is finite in the body, "
                                 "write \"if(condition, expression, 0)\".");
-      if (component.is_constant)
+      if (is_constant)
         component.function.reset();
     }
   }
-
-  template <int dim>
-  Expression<dim>::~Expression() = default;
-
-  template <int dim>
-  Expression<dim>::Expression(Expression &&) noexcept = default;
-
-  template <int dim>
-  Expression<dim> &Expression<dim>::operator=(Expression &&) noexcept = default;
 
   template <int dim>
   double Expression<dim>::value(const Point<dim> &point, const double time,
@@ -433,7 +387,7 @@ namespace tombolo
   {
     AssertIndexRange(component, n_components());
     const auto &data = implementation->components[component];
-    if (data.is_constant)
+    if (data.function == nullptr)
       return data.constant;
     const double result = data.function->evaluate(point, time);
     if (!std::isfinite(result))
@@ -482,13 +436,10 @@ namespace tombolo
       : expression(section, entry, 1)
   {
     const auto tokens = tokens_of(TableCalls(section.get(entry)));
-    const auto names = variables_of_expressions(dim);
-    const bool depends_on_position =
-        std::any_of(names.begin(), names.end(),
-                    [&](const std::string &name) { return has_name(tokens, name); });
     if (expression.depends_on_time())
       section.fail(entry, "a condition on points cannot depend on t.");
-    if (depends_on_position && std::none_of(tokens.begin(), tokens.end(), is_comparison))
+    if (expression.depends_on_position() &&
+        std::none_of(tokens.begin(), tokens.end(), is_comparison))
       section.fail(entry, "a condition is needed, for example \"x < 5 && y > 0\"; this is a number "
                           "that is compared with nothing.");
   }

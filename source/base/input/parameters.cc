@@ -100,7 +100,7 @@ namespace tombolo
   std::vector<std::string> Parameters::raw_list(const std::string &path) const
   {
     std::vector<std::string> names;
-    for (const std::string &name : split_at_commas(raw(path)))
+    for (const std::string &name : split_list(raw(path)))
       if (name.empty())
         refuse(path, "a name is missing before or after a comma.");
       else if (std::find(names.begin(), names.end(), name) != names.end())

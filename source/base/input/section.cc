@@ -64,7 +64,7 @@ namespace tombolo
 
   std::vector<std::string> Section::get_list(const std::string &entry) const
   {
-    const std::vector<std::string> items = split_at_commas(get(entry));
+    const std::vector<std::string> items = split_list(get(entry));
     for (const std::string &item : items)
       if (item.empty())
         fail(entry, "an item is missing before or after a comma.");

@@ -3,7 +3,7 @@
 
 #include <deal.II/base/utilities.h>
 
-#include <algorithm>
+#include <boost/algorithm/string/split.hpp>
 
 namespace tombolo
 {
@@ -46,15 +46,14 @@ namespace tombolo
     return section.empty() ? name : name.empty() ? section : section + "/" + name;
   }
 
-  std::vector<std::string> split_at_commas(const std::string &text)
+  std::vector<std::string> split_list(const std::string &text, const char separator)
   {
     std::vector<std::string> items;
-    for (std::size_t begin = 0; !text.empty() && begin <= text.size();)
-    {
-      const std::size_t end = std::min(text.find(',', begin), text.size());
-      items.push_back(Utilities::trim(text.substr(begin, end - begin)));
-      begin = end + 1;
-    }
+    if (text.empty())
+      return items;
+    boost::split(items, text, [&](const char c) { return c == separator; });
+    for (std::string &item : items)
+      item = Utilities::trim(item);
     return items;
   }
 

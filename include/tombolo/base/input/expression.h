@@ -28,9 +28,6 @@ namespace tombolo
      * may be the word "free" (see is_free). Constants: pi. */
     Expression(const Section &section, const std::string &entry, unsigned int n_components,
                bool allow_free = false);
-    ~Expression();
-    Expression(Expression &&) noexcept;
-    Expression &operator=(Expression &&) noexcept;
 
     /** Throws RunError, on the one rank that evaluates it, naming the entry and position, where the
      * value is not finite. Zero for free components. */
@@ -49,7 +46,7 @@ namespace tombolo
 
   private:
     struct Implementation;
-    std::unique_ptr<Implementation> implementation;
+    std::shared_ptr<const Implementation> implementation; // nothing changes it
   };
 
   /** A truth value over points, from an expression such as `x < 5 && y > 0`. Evaluation throws

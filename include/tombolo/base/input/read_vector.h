@@ -4,10 +4,10 @@
 #include <deal.II/base/tensor.h>
 #include <deal.II/base/utilities.h>
 
+#include <tombolo/base/input/number.h>
 #include <tombolo/base/input/parameters.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -22,12 +22,8 @@ namespace tombolo
     const std::vector<std::string> numbers = dealii::Utilities::split_string_list(text, ',');
     dealii::Tensor<1, dim> result;
     for (unsigned int d = 0; d < numbers.size() && d < dim; ++d)
-    {
-      char *end = nullptr;
-      result[d] = std::strtod(numbers[d].c_str(), &end);
-      if (numbers[d].empty() || *end != '\0' || !std::isfinite(result[d]))
+      if (!is_number(numbers[d], result[d]) || !std::isfinite(result[d]))
         section.fail(entry, in_quotes(numbers[d]) + " is not a finite number.");
-    }
     if (numbers.size() != dim)
       section.fail(entry, "allowed are " + std::to_string(dim) + " numbers separated by commas. " +
                               in_quotes(text) + " has " + std::to_string(numbers.size()) + ".");

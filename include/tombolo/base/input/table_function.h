@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/input/number.h>
+#include <tombolo/base/input/text.h>
 
 #include <deal.II/base/utilities.h>
 
@@ -166,14 +167,7 @@ namespace tombolo
                                                                    : ' ';
       if (separator == ' ')
         std::replace(line.begin(), line.end(), '\t', ' ');
-      std::vector<std::string> fields(1);
-      for (const char character : line)
-        if (character == separator)
-          fields.emplace_back();
-        else
-          fields.back() += character;
-      for (std::string &field : fields)
-        field = dealii::Utilities::trim(field);
+      std::vector<std::string> fields = split_list(line, separator);
       if (separator == ' ')
         fields.erase(std::remove(fields.begin(), fields.end(), ""), fields.end());
       return fields;

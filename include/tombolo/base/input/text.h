@@ -18,8 +18,8 @@ namespace tombolo
   /** "Section/Entry" of a section's path, which may be empty, and a name in it. */
   std::string joined_path(const std::string &section, const std::string &name);
 
-  /** The items between commas, without blanks around them; none of an empty text. */
-  std::vector<std::string> split_at_commas(const std::string &text);
+  /** The items between separators, without blanks around them; none of an empty text. */
+  std::vector<std::string> split_list(const std::string &text, char separator = ',');
 
   /** The section and the name of a path. */
   std::string parent_path(const std::string &path);
