@@ -3,7 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/name_hints.h>
 #include <tombolo/base/input/read_vector.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/base/symmetric_tensors.h>
@@ -77,12 +77,9 @@ namespace tombolo
     {
       for (const std::string &name : named)
         if (std::find(known.begin(), known.end(), name) == known.end())
-        {
-          const std::string nearest = nearest_name(name, known);
           section.fail("Part", "there is no part " + in_quotes(name) + "." +
-                                   (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?") +
+                                   did_you_mean(name, known) +
                                    " The entry \"Parts\" lists: " + joined(known, ", ") + ".");
-        }
     }
   } // namespace
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/model_input.h>
 
+#include <tombolo/base/input/name_hints.h>
 #include <tombolo/boundary/mechanical_conditions.h>
 #include <tombolo/boundary/thermal_conditions.h>
 #include <tombolo/mesh/image_conditions.h>
@@ -130,11 +131,10 @@ namespace tombolo
       const std::vector<std::string> names = section_names(section.all(), "Materials");
       if (std::find(names.begin(), names.end(), material) != names.end())
         throw KnownMistake("The material " + in_quotes(material) + " could not be made.");
-      const std::string nearest = nearest_name(material, names);
       std::vector<std::string> sorted = names;
       std::sort(sorted.begin(), sorted.end());
       section.fail("Material", "there is no material of this name." +
-                                   (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?") +
+                                   did_you_mean(material, names) +
                                    " The entry \"Materials\" lists: " + joined(sorted, ", ") + ".");
     }
 

@@ -12,6 +12,8 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 
+#include <boost/algorithm/string/predicate.hpp>
+
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -328,7 +330,8 @@ namespace tombolo
   inline std::map<std::string, std::string> entries_of(const std::string &text,
                                                        MPI_Comm communicator)
   {
-    ParameterScanner scanner(communicator);
+    Mistakes mistakes;
+    ParameterScanner scanner(communicator, mistakes);
     scanner.read_text(text, "checkpoint");
     std::map<std::string, std::string> result;
     for (const ParameterScanner::Item &item : scanner.items())
@@ -340,15 +343,11 @@ namespace tombolo
   /** What a state hangs on: the mesh, and which of its cells are what. */
   inline bool describes_parts(const std::string &path)
   {
-    const auto ends_with = [&](const std::string &end)
-    {
-      return path.size() > end.size() &&
-             path.compare(path.size() - end.size(), end.size(), end) == 0;
-    };
     if (path.rfind("Mesh/Adaptive refinement/", 0) == 0)
       return false; // the state says which cells are divided
     return path == "Dimension" || path == "Parts" || path.rfind("Mesh", 0) == 0 ||
-           (path.rfind("Part: ", 0) == 0 && (ends_with("/Cells") || ends_with("/Formulation")));
+           (path.rfind("Part: ", 0) == 0 &&
+            (boost::ends_with(path, "/Cells") || boost::ends_with(path, "/Formulation")));
   }
 
   /** What changes neither the model nor what was computed so far. */

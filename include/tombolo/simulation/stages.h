@@ -34,7 +34,7 @@ namespace tombolo
   public:
     /** Reads the file. Throws InputError where stages and their sections do not fit. Collective. */
     Stages(const std::string &file, const MPI_Comm communicator)
-        : file_name(file), communicator(communicator), scanner(communicator)
+        : file_name(file), communicator(communicator), scanner(communicator, mistakes)
     {
       scanner.read_file(file);
       const ParameterScanner::Item *const entry = scanner.entry("Stages");
@@ -262,6 +262,7 @@ namespace tombolo
 
     std::string file_name;
     MPI_Comm communicator;
+    Mistakes mistakes; // collects none: each is thrown
     ParameterScanner scanner;
     std::vector<std::string> stage_names;
     std::vector<Line> lines;

@@ -7,6 +7,8 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <boost/algorithm/string/predicate.hpp>
+
 #include <utility>
 
 namespace tombolo
@@ -40,18 +42,12 @@ namespace tombolo
         {"smoothed cells/Refill volume ratio", "",
          "Leave it out: a fifth of the volume at the last refill is the limit."}};
 
-    bool is_end_of(const std::string &path, const std::string &end)
-    {
-      return path == end ||
-             (path.size() > end.size() &&
-              path.compare(path.size() - end.size() - 1, std::string::npos, "/" + end) == 0);
-    }
     /** What to take instead of the entry at @p path, or of its @p value, where that was removed
      * from the program and files of earlier versions may have it; empty where it was not. */
     std::string instead_of_removed(const std::string &path, const std::string &value = "")
     {
       for (const RemovedEntry &removed : removed_entries)
-        if (value == removed.value && is_end_of(path, removed.path))
+        if (value == removed.value && boost::ends_with("/" + path, std::string("/") + removed.path))
           return removed.instead;
       return {};
     }

@@ -5,6 +5,7 @@
 
 #include <tombolo/base/input/parameter_scanner.h>
 
+#include <boost/algorithm/string/predicate.hpp>
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
 
@@ -59,10 +60,9 @@ namespace tombolo
           child.default_value = *default_value;
           child.documentation = subtree.get<std::string>("documentation", "");
           child.pattern = subtree.get<std::string>("pattern_description", "");
-          const std::string mark = mandatory_mark;
-          child.is_mandatory = child.documentation.compare(0, mark.size(), mark) == 0;
+          child.is_mandatory = boost::starts_with(child.documentation, mandatory_mark);
           if (child.is_mandatory)
-            child.documentation.erase(0, mark.size());
+            child.documentation.erase(0, std::string(mandatory_mark).size());
         }
         else
         {
@@ -83,15 +83,11 @@ namespace tombolo
       const std::size_t begin = pattern.rfind(' ', dots) + 1;
       const std::string lower = pattern.substr(begin, dots - begin);
       const std::string upper = pattern.substr(dots + 3, pattern.find(' ', dots) - dots - 3);
-      const bool is_bounded_below = lower != lowest;
-      const bool is_bounded_above = upper != highest;
-      if (is_bounded_below && is_bounded_above)
+      if (lower != lowest && upper != highest)
         return noun + " from " + lower + " to " + upper;
-      if (is_bounded_below)
+      if (lower != lowest)
         return noun + " of at least " + lower;
-      if (is_bounded_above)
-        return noun + " of at most " + upper;
-      return noun;
+      return upper != highest ? noun + " of at most " + upper : noun;
     }
 
     /** "[List of <...> of length a...b (inclusive) separated by <;>]" in words. */
@@ -117,11 +113,6 @@ namespace tombolo
         count = lower == "0" ? "any number of" : "at least " + lower;
       return "a list, separated by " + (separator == "," ? "commas" : in_quotes(separator)) +
              ", of " + count + " items, each of them " + item;
-    }
-
-    bool starts_with(const std::string &text, const std::string &start)
-    {
-      return text.compare(0, start.size(), start) == 0;
     }
   } // namespace
 
@@ -193,7 +184,7 @@ namespace tombolo
   std::vector<std::string> pattern_alternatives(const std::string &pattern)
   {
     for (const std::string opening : {"[Selection ", "[MultipleSelection "})
-      if (starts_with(pattern, opening))
+      if (boost::starts_with(pattern, opening))
         return Utilities::split_string_list(
             pattern.substr(opening.size(), pattern.size() - opening.size() - 1), '|');
     return {};
@@ -201,27 +192,27 @@ namespace tombolo
 
   std::string describe_pattern(const std::string &pattern)
   {
-    if (starts_with(pattern, "[Bool"))
+    if (boost::starts_with(pattern, "[Bool"))
       return "\"true\" or \"false\"";
-    if (starts_with(pattern, "[Double"))
+    if (boost::starts_with(pattern, "[Double"))
       return describe_range(pattern, "a number", "-MAX_DOUBLE", "MAX_DOUBLE");
-    if (starts_with(pattern, "[Integer"))
+    if (boost::starts_with(pattern, "[Integer"))
       return describe_range(pattern, "a whole number",
                             std::to_string(std::numeric_limits<int>::min()),
                             std::to_string(std::numeric_limits<int>::max()));
-    if (starts_with(pattern, "[Selection") && pattern_alternatives(pattern).empty())
+    if (boost::starts_with(pattern, "[Selection") && pattern_alternatives(pattern).empty())
       return "the name of a plug-in, of which none is loaded";
-    if (starts_with(pattern, "[Selection"))
+    if (boost::starts_with(pattern, "[Selection"))
       return "one of " + in_quotes(pattern_alternatives(pattern));
-    if (starts_with(pattern, "[MultipleSelection"))
+    if (boost::starts_with(pattern, "[MultipleSelection"))
       return "a list, separated by commas, of " + in_quotes(pattern_alternatives(pattern));
-    if (starts_with(pattern, "[List of <"))
+    if (boost::starts_with(pattern, "[List of <"))
       return describe_list(pattern);
-    if (starts_with(pattern, "[Anything"))
+    if (boost::starts_with(pattern, "[Anything"))
       return "any text";
-    if (starts_with(pattern, "[FileName"))
+    if (boost::starts_with(pattern, "[FileName"))
       return "the name of a file";
-    if (starts_with(pattern, "[DirectoryName"))
+    if (boost::starts_with(pattern, "[DirectoryName"))
       return "the name of a directory";
     return pattern;
   }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/parameter_scanner.h>
 
-#include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
+
+#include <boost/locale/utf.hpp>
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/mistakes.h>
@@ -54,41 +55,25 @@ namespace tombolo
       return "";
     }
 
-    /** Reads a file on rank 0 and sends text, identity and problem to all. */
-    std::string read_on_root(const std::string &name, const MPI_Comm communicator,
-                             std::string &text, std::string &identity)
+    struct FileContent
     {
-      const auto read = [&]
-      {
-        std::vector<std::string> message(3);
-        message[0] = read_locally(name, message[1]);
-        std::error_code error;
-        message[2] = std::filesystem::weakly_canonical(name, error).string();
-        if (error)
-          message[2] = name;
-        return message;
-      };
-      std::vector<std::string> message = from_first_rank(communicator, read);
-      text = std::move(message[1]);
-      identity = std::move(message[2]);
-      return message[0];
-    }
+      std::string text, identity, problem;
+    };
 
-    /** The number of bytes of the UTF-8 character at a position; zero if there is none. */
-    std::size_t utf8_length(const std::string &text, const std::size_t position)
+    /** Reads a file on rank 0 and sends all of it to the others. */
+    FileContent read_on_root(const std::string &name, const MPI_Comm communicator)
     {
-      const auto lead = static_cast<unsigned char>(text[position]);
-      const std::size_t length = lead < 0x80                   ? 1
-                                 : lead >= 0xc2 && lead < 0xe0 ? 2
-                                 : lead >= 0xe0 && lead < 0xf0 ? 3
-                                 : lead >= 0xf0 && lead < 0xf5 ? 4
-                                                               : 0;
-      if (position + length > text.size())
-        return 0;
-      for (std::size_t i = 1; i < length; ++i)
-        if ((static_cast<unsigned char>(text[position + i]) & 0xc0) != 0x80)
-          return 0;
-      return length;
+      const std::vector<std::string> message = from_first_rank(
+          communicator,
+          [&]
+          {
+            std::string text;
+            const std::string problem = read_locally(name, text);
+            std::error_code error;
+            const auto path = std::filesystem::weakly_canonical(name, error);
+            return std::vector<std::string>{text, error ? name : path.string(), problem};
+          });
+      return {message[0], message[1], message[2]};
     }
 
     /** Refuses lines that are not UTF-8 text. */
@@ -97,33 +82,26 @@ namespace tombolo
       if (line.size() > largest_line)
         throw InputError(to_string(location) + ": this line has " + std::to_string(line.size()) +
                          " characters; allowed are " + std::to_string(largest_line) + ".");
-      for (std::size_t i = 0; i < line.size();)
+      for (auto at = line.begin(); at != line.end();)
       {
-        const auto byte = static_cast<unsigned char>(line[i]);
-        const std::size_t length = utf8_length(line, i);
-        if (length == 0 || (byte < 0x20 && byte != '\t' && byte != '\r') || byte == 0x7f)
+        const auto character = at;
+        const auto byte = static_cast<unsigned char>(*character);
+        namespace utf = boost::locale::utf;
+        if (!utf::is_valid_codepoint(utf::utf_traits<char>::decode(at, line.end())) ||
+            (byte < 0x20 && byte != '\t' && byte != '\r') || byte == 0x7f)
         {
           std::array<char, 8> number;
           std::snprintf(number.data(), number.size(), "0x%02x", byte);
           throw InputError(to_string(location) + ": this is not text: byte " + number.data() +
-                           " at column " + std::to_string(i + 1) +
+                           " at column " + std::to_string(character - line.begin() + 1) +
                            ". A parameter file is UTF-8 text.");
         }
-        i += length;
       }
-    }
-
-    std::string directory_of(const std::string &file_name)
-    {
-      return std::filesystem::path(file_name).parent_path().string();
     }
 
     std::string path_of(const std::vector<std::string> &sections, const std::string &name)
     {
-      std::string path;
-      for (const auto &section : sections)
-        path = joined_path(path, section);
-      return joined_path(path, name);
+      return joined_path(joined(sections, "/"), name);
     }
   } // namespace
 
@@ -132,20 +110,14 @@ namespace tombolo
     return location.line == 0 ? location.file : location.file + ":" + std::to_string(location.line);
   }
 
-  ParameterScanner::ParameterScanner(const MPI_Comm communicator) : communicator(communicator) {}
-
-  void ParameterScanner::note_in(Mistakes &input_mistakes)
-  {
-    mistakes = &input_mistakes;
-  }
+  ParameterScanner::ParameterScanner(const MPI_Comm communicator, Mistakes &mistakes)
+      : communicator(communicator), mistakes(mistakes)
+  {}
 
   void ParameterScanner::refuse_line(const SourceLocation &location,
                                      const std::string &message) const
   {
-    const std::string text = to_string(location) + ": " + message;
-    if (mistakes == nullptr)
-      throw InputError(text);
-    mistakes->add(text);
+    mistakes.add(to_string(location) + ": " + message);
   }
 
   std::vector<std::string> ParameterScanner::file_names() const
@@ -158,13 +130,12 @@ namespace tombolo
 
   void ParameterScanner::read_file(const std::string &file_name)
   {
-    std::string text, identity;
-    const std::string problem = read_on_root(file_name, communicator, text, identity);
-    if (!problem.empty())
+    const FileContent file = read_on_root(file_name, communicator);
+    if (!file.problem.empty())
       throw InputError("The parameter file " + in_quotes(file_name) +
-                       " cannot be read: " + problem + ".");
+                       " cannot be read: " + file.problem + ".");
     std::vector<std::string> sections;
-    scan(text, file_name, identity, sections);
+    scan(file.text, file_name, file.identity, sections);
   }
 
   void ParameterScanner::read_text(const std::string &text, const std::string &name)
@@ -319,7 +290,7 @@ namespace tombolo
     {
       refuse_line(location, "\"set\" without \"=\", found " + in_quotes("set " + rest) +
                                 ". Write \"set Entry = value\".");
-      mistakes->mark_meant(path_of(sections, rest));
+      mistakes.mark_meant(path_of(sections, rest));
       return;
     }
     if (name.empty())
@@ -395,21 +366,39 @@ namespace tombolo
     if (name.empty())
       throw InputError(to_string(location) + ": the name of the file to include is missing.");
     const std::string file_name =
-        (std::filesystem::path(directory_of(location.file)) / name).lexically_normal().string();
-    std::string text, identity;
-    const std::string problem = read_on_root(file_name, communicator, text, identity);
-    if (!problem.empty())
+        (std::filesystem::path(location.file).parent_path() / name).lexically_normal().string();
+    const FileContent file = read_on_root(file_name, communicator);
+    if (!file.problem.empty())
       throw InputError(to_string(location) + ": the included file " + in_quotes(file_name) +
-                       " cannot be read: " + problem +
+                       " cannot be read: " + file.problem +
                        ". Names are relative to the directory of the including file.");
     if (std::any_of(open_files.begin(), open_files.end(),
-                    [&](const OpenFile &open) { return open.identity == identity; }))
+                    [&](const OpenFile &open) { return open.identity == file.identity; }))
     {
       std::string circle;
       for (const auto &open : open_files)
         circle += open.name + " -> ";
       throw InputError(to_string(location) + ": a circle of includes: " + circle + file_name + ".");
     }
-    scan(text, file_name, identity, sections);
+    scan(file.text, file_name, file.identity, sections);
+  }
+
+  ParameterScanner::Item read_override(const std::string &assignment)
+  {
+    const auto refuse = [&](const std::string &message)
+    { throw InputError("--set " + in_quotes(assignment) + ": " + message); };
+    const std::size_t equal = assignment.find('=');
+    if (equal == std::string::npos)
+      refuse("\"=\" is missing. Write --set \"Section/Entry = value\".");
+    auto names = Utilities::split_string_list(assignment.substr(0, equal), std::string("/"));
+    for (std::string &name : names)
+      name = Utilities::trim(name);
+    if (names.empty() || std::count(names.begin(), names.end(), "") > 0)
+      refuse("a name is missing before \"=\". Write --set \"Section/Entry = value\".");
+    const std::string value = Utilities::trim(assignment.substr(equal + 1));
+    if (value.find_first_of("#\n\r") != std::string::npos ||
+        (!value.empty() && value.back() == '\\'))
+      refuse("a value has no \"#\" and no line break and does not end in \"\\\".");
+    return {false, joined(names, "/"), value, {"--set", 0}};
   }
 } // namespace tombolo

@@ -2,7 +2,6 @@
 #include <tombolo/base/input/parameters.h>
 
 #include <tombolo/base/input/name_hints.h>
-#include <tombolo/base/input/override.h>
 #include <tombolo/base/input/parameter_printer.h>
 #include <tombolo/base/input/registry.h>
 
@@ -41,16 +40,6 @@ namespace tombolo
       std::unique_ptr<Patterns::PatternBase> pattern;
     };
   } // namespace
-
-  Parameters::Parameters(const MPI_Comm communicator) : scanner(communicator) {}
-
-  Parameters::~Parameters() = default;
-
-  void Parameters::collect_mistakes()
-  {
-    mistakes.collect();
-    scanner.note_in(mistakes);
-  }
 
   void Parameters::refuse(const std::string &path, const std::string &message) const
   {

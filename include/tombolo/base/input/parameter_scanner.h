@@ -44,11 +44,9 @@ namespace tombolo
       SourceLocation location;
     };
 
-    explicit ParameterScanner(MPI_Comm communicator);
-
-    /** From now on, mistakes after which the next line can be read as it is meant go to @p
-     * mistakes, which must outlive this. */
-    void note_in(Mistakes &mistakes);
+    /** Mistakes after which the next line can be read as it is meant go to @p mistakes, which must
+     * outlive this. */
+    ParameterScanner(MPI_Comm communicator, Mistakes &mistakes);
 
     /** Collective. */
     void read_file(const std::string &file_name);
@@ -96,7 +94,7 @@ namespace tombolo
     void scan_unknown_line(const std::string &keyword, const std::string &text,
                            const SourceLocation &location, std::vector<std::string> &sections,
                            std::vector<unsigned int> &opened);
-    /** Notes the mistake of a line, or throws it as an InputError. */
+    /** Mistakes::add() of a line. */
     void refuse_line(const SourceLocation &location, const std::string &message) const;
     void add_entry(const std::string &rest, const SourceLocation &location,
                    const std::vector<std::string> &sections);
@@ -106,7 +104,7 @@ namespace tombolo
                  std::vector<std::string> &sections);
 
     MPI_Comm communicator;
-    Mistakes *mistakes = nullptr; // null: each one is thrown
+    Mistakes &mistakes;
     std::vector<OpenFile> open_files;
     unsigned int n_includes = 0;
     std::vector<Item> all_items;
@@ -114,4 +112,8 @@ namespace tombolo
     std::map<std::string, SourceLocation> section_locations;
     std::vector<std::pair<std::string, std::string>> texts; // name, text
   };
+
+  /** What an override of the command line, "Section/Entry = value", sets; blanks around names do
+   * not count. Throws InputError. */
+  ParameterScanner::Item read_override(const std::string &assignment);
 } // namespace tombolo

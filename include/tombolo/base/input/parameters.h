@@ -36,12 +36,14 @@ namespace tombolo
   class Parameters
   {
   public:
-    explicit Parameters(MPI_Comm communicator);
-    ~Parameters();
+    explicit Parameters(const MPI_Comm communicator) : scanner(communicator, mistakes) {}
 
     /** From now on mistakes are noted, until refuse_mistakes(). A missing entry is read as a
      * substitute value. */
-    void collect_mistakes();
+    void collect_mistakes()
+    {
+      mistakes.collect();
+    }
 
     /** Calls @p read. While mistakes are collected, an InputError that it throws is noted, unless
      * it follows from another mistake; otherwise it passes. Returns whether nothing was wrong. */
@@ -170,6 +172,7 @@ namespace tombolo
     std::string reason_of_no_effect(const std::string &path, bool &is_certain) const;
     bool is_used_below(const std::string &section) const;
 
+    mutable Mistakes mistakes;
     ParameterScanner scanner;
     std::string main_file;
     std::map<std::string, Item> overrides;
@@ -178,7 +181,6 @@ namespace tombolo
     mutable ParameterDeclaration declaration_tree;
     bool is_assigned = false;
     mutable std::set<std::string> used;
-    mutable Mistakes mistakes;
   };
 
   /**
