@@ -23,17 +23,21 @@ namespace tombolo
       list.push_back({name, kind, 0.});
       return list.back();
     }
+
+    constexpr std::array<double, 3> EnergyAccounts::*vectors[] = {
+        &EnergyAccounts::impulse, &EnergyAccounts::angular_impulse,
+        &EnergyAccounts::removed_momentum, &EnergyAccounts::removed_angular_momentum};
   } // namespace
 
-  EnergyAccounts::Account &EnergyAccounts::account(const std::string &name, const EnergyKind kind)
+  void EnergyAccounts::add(const std::string &name, const EnergyKind kind, const double value)
   {
-    return find_or_append(name, kind, entries);
+    find_or_append(name, kind, entries).value += value;
   }
 
   void EnergyAccounts::add_replicated(const std::string &name, const EnergyKind kind,
                                       const double value)
   {
-    account(name, kind); // keeps its position in the order
+    find_or_append(name, kind, entries); // keeps its position in the order
     find_or_append(name, kind, replicated).value += value;
   }
 
@@ -43,10 +47,9 @@ namespace tombolo
       add(entry.name, entry.kind, factor * entry.value);
     for (const Account &entry : other.replicated)
       add_replicated(entry.name, entry.kind, factor * entry.value);
-    const auto other_vectors = other.vectors();
-    for (std::size_t v = 0; v < other_vectors.size(); ++v)
+    for (const auto vector : vectors)
       for (unsigned int d = 0; d < 3; ++d)
-        (*vectors()[v])[d] += factor * (*other_vectors[v])[d];
+        (this->*vector)[d] += factor * (other.*vector)[d];
   }
 
   void EnergyAccounts::add_impulse(const std::array<double, 3> &force_impulse,
@@ -74,17 +77,17 @@ namespace tombolo
     std::vector<double> values;
     for (const Account &entry : entries)
       values.push_back(entry.value);
-    for (const auto *const vector : vectors())
-      values.insert(values.end(), vector->begin(), vector->end());
+    for (const auto vector : vectors)
+      values.insert(values.end(), (this->*vector).begin(), (this->*vector).end());
     values = ordered_sum(values, communicator);
     std::size_t next = 0;
     for (Account &entry : entries)
       entry.value = values[next++];
-    for (auto *const vector : vectors())
-      for (double &component : *vector)
+    for (const auto vector : vectors)
+      for (double &component : this->*vector)
         component = values[next++];
     for (const Account &entry : replicated)
-      account(entry.name, entry.kind).value += entry.value;
+      add(entry.name, entry.kind, entry.value);
     replicated.clear();
   }
 

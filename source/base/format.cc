@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/format.h>
 
+#include <boost/algorithm/string/replace.hpp>
 #include <boost/core/demangle.hpp>
 
 #include <cctype>
@@ -42,9 +43,6 @@ namespace tombolo
   {
     if (text.find_first_of(",\"\r\n") == std::string::npos)
       return text;
-    std::string result = "\"";
-    for (const char character : text)
-      result += character == '"' ? "\"\"" : std::string(1, character);
-    return result + "\"";
+    return "\"" + boost::replace_all_copy(text, "\"", "\"\"") + "\"";
   }
 } // namespace tombolo

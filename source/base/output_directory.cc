@@ -47,8 +47,6 @@ namespace tombolo
     return "";
   }
 
-  namespace fs = std::filesystem;
-
   namespace
   {
     /** Not a link to one. */

@@ -41,10 +41,7 @@ namespace tombolo
     };
 
     /** Adds the share of this rank. */
-    void add(const std::string &name, const EnergyKind kind, const double value)
-    {
-      account(name, kind).value += value;
-    }
+    void add(const std::string &name, EnergyKind kind, double value);
 
     /** Adds a value that is the same on all ranks, and that counts once. */
     void add_replicated(const std::string &name, EnergyKind kind, double value);
@@ -84,16 +81,6 @@ namespace tombolo
     std::array<double, 3> removed_momentum{}, removed_angular_momentum{};
 
   private:
-    std::array<const std::array<double, 3> *, 4> vectors() const
-    {
-      return {{&impulse, &angular_impulse, &removed_momentum, &removed_angular_momentum}};
-    }
-    std::array<std::array<double, 3> *, 4> vectors()
-    {
-      return {{&impulse, &angular_impulse, &removed_momentum, &removed_angular_momentum}};
-    }
-    Account &account(const std::string &name, EnergyKind kind);
-
     std::vector<Account> entries;
     std::vector<Account> replicated; ///< joined with the others in sum_over_ranks()
   };
