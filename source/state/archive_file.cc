@@ -300,12 +300,17 @@ namespace tombolo
   {
     ArchiveFile file(name, Mode::read, communicator);
     std::vector<std::string> tables;
+    const auto refuse = [&](const std::string &problem)
+    {
+      tombolo::throw_on_all_ranks<DamagedCheckpoint>(
+          problem.empty() ? "" : "The checkpoint " + name + " is damaged: " + problem,
+          communicator);
+    };
     std::string problem;
     if (H5Ovisit_by_name(file.handle, "/", H5_INDEX_NAME, H5_ITER_INC, collect_dataset, &tables,
                          H5P_DEFAULT) < 0)
       problem = "its list of fields cannot be read.";
-    tombolo::throw_on_all_ranks<DamagedCheckpoint>(
-        problem.empty() ? "" : "The checkpoint " + name + " is damaged: " + problem, communicator);
+    refuse(problem);
     const std::uint64_t n_ranks = Utilities::MPI::n_mpi_processes(communicator);
     const std::uint64_t rank = Utilities::MPI::this_mpi_process(communicator);
     for (const std::string &table : tables)
@@ -340,9 +345,7 @@ namespace tombolo
         problem = "its field \"" + table + "\" cannot be read.";
       else if (sum != stored)
         problem = "its field \"" + table + "\" does not have its checksum.";
-      tombolo::throw_on_all_ranks<DamagedCheckpoint>(
-          problem.empty() ? "" : "The checkpoint " + name + " is damaged: " + problem,
-          communicator);
+      refuse(problem);
     }
   }
 

@@ -89,8 +89,7 @@ namespace tombolo
   {
     node_partition = partition;
     storage.resize_fast(static_cast<std::size_t>(partition->n_local()) * slots);
-    exchange_buffer.resize_fast(
-        (slots == 1 ? partition->scalars() : partition->vectors())->n_import_indices());
+    exchange_buffer.resize_fast(partition->exchange_of(slots).n_import_indices());
     values = storage.data();
   }
 
@@ -126,8 +125,7 @@ namespace tombolo
   void NodalVector::update_ghosts()
   {
     make_symmetric();
-    const Utilities::MPI::Partitioner &exchange =
-        *(slots == 1 ? node_partition->scalars() : node_partition->vectors());
+    const Utilities::MPI::Partitioner &exchange = node_partition->exchange_of(slots);
     if (exchange.n_ghost_indices() > 0 || exchange.n_import_indices() > 0)
     {
       ExchangeTimer timer(node_partition->exchange_cost(), exchange.import_targets().size(),
@@ -147,8 +145,7 @@ namespace tombolo
   void NodalVector::add_to_owners()
   {
     collect_images();
-    const Utilities::MPI::Partitioner &exchange =
-        *(slots == 1 ? node_partition->scalars() : node_partition->vectors());
+    const Utilities::MPI::Partitioner &exchange = node_partition->exchange_of(slots);
     if (exchange.n_ghost_indices() > 0 || exchange.n_import_indices() > 0)
     {
       ExchangeTimer timer(node_partition->exchange_cost(), exchange.ghost_targets().size(),

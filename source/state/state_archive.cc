@@ -3,24 +3,13 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <boost/algorithm/string/replace.hpp>
+
 namespace tombolo
 {
-  StateArchive::Group::Group(StateArchive &archive, const std::string &name)
-      : archive(archive), previous_length(archive.prefix.size())
-  {
-    std::string plain = name;
-    std::replace(plain.begin(), plain.end(), '/', '_');
-    archive.prefix += plain + "/";
-  }
-
-  StateArchive::Group::~Group()
-  {
-    archive.prefix.resize(previous_length);
-  }
-
   StateArchive::Group StateArchive::group(const std::string &name)
   {
-    return Group(*this, name);
+    return {prefix, boost::replace_all_copy(name, "/", "_") + "/"};
   }
 
   StateArchive::StateArchive(const std::string &file, const Mode mode, MPI_Comm communicator)
@@ -46,20 +35,14 @@ namespace tombolo
     }
   }
 
-  void StateArchive::operator()(const std::string &name, double &value)
+  void StateArchive::operator()(const std::string &name, std::vector<double> &values)
   {
-    std::vector<double> one(1, value);
-    global(name, one);
-    check_size(name, one.size(), 1);
-    value = one[0];
+    global(name, values);
   }
 
-  void StateArchive::operator()(const std::string &name, bool &value)
+  void StateArchive::operator()(const std::string &name, std::vector<std::uint64_t> &values)
   {
-    std::vector<std::uint64_t> one(1, value ? 1 : 0);
-    global(name, one);
-    check_size(name, one.size(), 1);
-    value = one[0] != 0;
+    global(name, values);
   }
 
   void StateArchive::operator()(const std::string &name, std::string &value)

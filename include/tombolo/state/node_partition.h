@@ -181,10 +181,10 @@ namespace tombolo
       return scalar_partitioner;
     }
 
-    /** The exchange of node_stride doubles per node. */
-    const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &vectors() const
+    /** The exchange of one double per node, or of node_stride. */
+    const dealii::Utilities::MPI::Partitioner &exchange_of(const unsigned int n_slots) const
     {
-      return vector_partitioner;
+      return *(n_slots == 1 ? scalar_partitioner : vector_partitioner);
     }
 
   private:

@@ -71,12 +71,19 @@ namespace tombolo
     class Group
     {
     public:
-      explicit Group(StateArchive &archive, const std::string &name);
-      ~Group();
+      Group(std::string &prefix, const std::string &added)
+          : prefix(prefix), previous_length(prefix.size())
+      {
+        prefix += added;
+      }
+      ~Group()
+      {
+        prefix.resize(previous_length);
+      }
       Group(const Group &) = delete;
 
     private:
-      StateArchive &archive;
+      std::string &prefix;
       std::size_t previous_length;
     };
 
@@ -90,23 +97,18 @@ namespace tombolo
       return archive_file.has(path(name));
     }
 
-    void operator()(const std::string &name, double &value);
-    void operator()(const std::string &name, bool &value);
-    void operator()(const std::string &name, std::vector<double> &values)
-    {
-      global(name, values);
-    }
-    void operator()(const std::string &name, std::vector<std::uint64_t> &values)
-    {
-      global(name, values);
-    }
+    void operator()(const std::string &name, std::vector<double> &values);
+    void operator()(const std::string &name, std::vector<std::uint64_t> &values);
     void operator()(const std::string &name, std::string &value);
     void operator()(const std::string &name, std::vector<std::string> &values); ///< lines
 
-    template <typename Number, typename = std::enable_if_t<std::is_unsigned_v<Number>>>
+    /** A double, a truth value or an unsigned number. */
+    template <typename Number, typename = std::enable_if_t<std::is_arithmetic_v<Number>>>
     void operator()(const std::string &name, Number &value)
     {
-      std::vector<std::uint64_t> one(1, value);
+      static_assert(std::is_unsigned_v<Number> || std::is_same_v<Number, double>);
+      using Stored = std::conditional_t<std::is_unsigned_v<Number>, std::uint64_t, double>;
+      std::vector<Stored> one(1, value);
       (*this)(name, one);
       check_size(name, one.size(), 1);
       value = static_cast<Number>(one[0]);
