@@ -4,7 +4,6 @@
 #include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/base/simd/vectorization.h>
 
 #include <string>
 
@@ -200,11 +199,9 @@ namespace tombolo
     const unsigned int n_owned = state.partition()->n_owned();
     for (unsigned int i = 0; i < n_owned; ++i)
     {
-      store_node(load_node(state.position.node(i)) + load_node(state.velocity.node(i)) * time_step,
-                 state.position.node(i));
-      store_node(load_node(state.unsmoothed_position.node(i)) +
-                     load_node(state.unsmoothed_velocity.node(i)) * time_step,
-                 state.unsmoothed_position.node(i));
+      add_to_node(load_node(state.velocity.node(i)) * time_step, state.position.node(i));
+      add_to_node(load_node(state.unsmoothed_velocity.node(i)) * time_step,
+                  state.unsmoothed_position.node(i));
     }
   }
 
@@ -224,12 +221,10 @@ namespace tombolo
     for (std::size_t k = 0; k < split.own_nodes.size(); ++k)
     {
       const unsigned int i = split.own_nodes[k];
-      const NodeLanes fraction = load_node(split.own_fraction.data() + k * node_stride);
+      const NodeLanes fraction = split.own_fraction_of(k);
       const NodeLanes increment = load_node(acceleration.node(i)) * velocity_step;
-      store_node(load_node(v_hat.node(i)) + fraction * increment, v_hat.node(i));
-      store_node(load_node(x.node(i)) +
-                     fraction * (load_node(velocity.node(i)) + increment) * position_step,
-                 x.node(i));
+      add_to_node(fraction * increment, v_hat.node(i));
+      add_to_node(fraction * (load_node(velocity.node(i)) + increment) * position_step, x.node(i));
     }
     if (operators() == Operators::identity)
       return;

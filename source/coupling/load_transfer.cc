@@ -2,14 +2,12 @@
 #include <tombolo/coupling/load_transfer.h>
 
 #include <tombolo/approximation/nodal_smoothing.h>
-#include <tombolo/base/simd/vectorization.h>
 
 namespace tombolo
 {
   const NodalVector &TraceTransfer::field_of_particles(const NodalVector &velocity)
   {
-    if (trace_velocity.partition() != velocity.partition())
-      trace_velocity.reinit_like(velocity);
+    trace_velocity.fit_to(velocity.partition(), velocity.quantity());
     trace_velocity.copy_from(velocity);
     for (const MassSplit::ParticlePart &part : split.parts)
       for (const unsigned int row : part.element_rows)
@@ -17,12 +15,9 @@ namespace tombolo
         const Stencils &shape = *part.shape;
         const NodeLanes sum = NodalSmoothing::gather_row(shape.row_of_values(row), velocity.data());
         // A prescribed component keeps its own value.
-        const NodeLanes weight =
-            load_node(part.smoothed_fraction.data() + std::size_t(row) * node_stride);
-        double *const target = trace_velocity.node(shape.particle_node[row]);
-        store_node(load_node(target) +
-                       weight * (sum - load_node(velocity.node(shape.particle_node[row]))),
-                   target);
+        add_to_node(part.fraction_of_row(row) *
+                        (sum - load_node(velocity.node(shape.particle_node[row]))),
+                    trace_velocity.node(shape.particle_node[row]));
       }
     trace_velocity.distribute();
     return trace_velocity;
@@ -31,16 +26,14 @@ namespace tombolo
   void TraceTransfer::add_element_force(NodalVector &element_force, NodalVector &force)
   {
     element_force.collect();
-    if (trace_force.partition() != force.partition())
-      trace_force.reinit_like(force);
+    trace_force.fit_to(force.partition(), force.quantity());
     trace_force.set_zero();
     for (const MassSplit::ParticlePart &part : split.parts)
       for (const unsigned int row : part.element_rows)
       {
         const Stencils &shape = *part.shape;
-        double *const own = element_force.node(shape.particle_node[row]);
-        const NodeLanes moved = load_node(own) * load_node(part.smoothed_fraction.data() +
-                                                           std::size_t(row) * node_stride);
+        const NodeLanes moved =
+            load_node(element_force.node(shape.particle_node[row])) * part.fraction_of_row(row);
         NodalSmoothing::scatter_row(shape.row_of_values(row), moved, trace_force.data());
         double *const remaining = trace_force.node(shape.particle_node[row]);
         store_node(load_node(remaining) - moved, remaining);
@@ -70,13 +63,10 @@ namespace tombolo
     void spread(const Stencils &shape, const unsigned int row, const NodeLanes &load,
                 NodalVector &force)
     {
-      if (!shape.is_lumped)
-      {
+      if (shape.is_lumped)
+        add_to_node(load, force.node(shape.particle_node[row]));
+      else
         NodalSmoothing::scatter_row(shape.row_of_values(row), load, force.data());
-        return;
-      }
-      double *const target = force.node(shape.particle_node[row]);
-      store_node(load_node(target) + load, target);
     }
   } // namespace
 
@@ -85,13 +75,8 @@ namespace tombolo
     split.set_own_fraction(field, result);
     for (const MassSplit::ParticlePart &part : split.parts)
       for (unsigned int row = 0; part.is_smoothed && row < part.shape->n_particles(); ++row)
-      {
-        double *const target = result.node(part.shape->particle_node[row]);
-        store_node(load_node(target) + field_at_row(*part.shape, row, field) *
-                                           load_node(part.smoothed_fraction.data() +
-                                                     std::size_t(row) * node_stride),
-                   target);
-      }
+        add_to_node(field_at_row(*part.shape, row, field) * part.fraction_of_row(row),
+                    result.node(part.shape->particle_node[row]));
     result.distribute();
   }
 
@@ -111,13 +96,10 @@ namespace tombolo
   void LoadTransfer::add_force_at_positions(const std::vector<unsigned int> &nodes,
                                             const NodalVector &loads, NodalVector &force)
   {
-    if (direct)
-    {
-      for (const unsigned int node : nodes)
-        store_node(load_node(force.node(node)) + load_node(loads.node(node)), force.node(node));
-      return;
-    }
-    add_force_of_loads(nodes, loads, force);
+    if (!direct)
+      return add_force_of_loads(nodes, loads, force);
+    for (const unsigned int node : nodes)
+      add_to_node(load_node(loads.node(node)), force.node(node));
   }
 
   void LoadTransfer::add_force_of_loads(const std::vector<unsigned int> &nodes,
@@ -129,29 +111,20 @@ namespace tombolo
     {
       const NodeLanes load = load_node(loads.node(node));
       if (const std::size_t k = position_in_own[node]; k != is_nowhere)
-        store_node(load_node(force.node(node)) +
-                       load * load_node(split.own_fraction.data() + k * node_stride),
-                   force.node(node));
+        add_to_node(load * split.own_fraction_of(k), force.node(node));
       for (std::size_t p = 0; p < split.parts.size(); ++p)
         if (const unsigned int row = row_of_node[p][node]; row != is_nowhere)
-        {
-          const NodeLanes share = load * load_node(split.parts[p].smoothed_fraction.data() +
-                                                   std::size_t(row) * node_stride);
-          spread(*split.parts[p].shape, row, share, force);
-        }
+          spread(*split.parts[p].shape, row, load * split.parts[p].fraction_of_row(row), force);
     }
   }
 
   void LoadTransfer::interpolate(const std::vector<unsigned int> &nodes, const NodalVector &field,
                                  NodalVector &result)
   {
-    if (direct)
-    {
-      for (const unsigned int node : nodes)
-        store_node(load_node(field.node(node)), result.node(node));
-      return;
-    }
-    interpolate_rows(nodes, field, result);
+    if (!direct)
+      return interpolate_rows(nodes, field, result);
+    for (const unsigned int node : nodes)
+      store_node(load_node(field.node(node)), result.node(node));
   }
 
   void LoadTransfer::interpolate_rows(const std::vector<unsigned int> &nodes,
@@ -163,12 +136,11 @@ namespace tombolo
     {
       NodeLanes sum = 0.;
       if (const std::size_t k = position_in_own[node]; k != is_nowhere)
-        sum = load_node(field.node(node)) * load_node(split.own_fraction.data() + k * node_stride);
+        sum = load_node(field.node(node)) * split.own_fraction_of(k);
       for (std::size_t p = 0; p < split.parts.size(); ++p)
         if (const unsigned int row = row_of_node[p][node]; row != is_nowhere)
           sum +=
-              field_at_row(*split.parts[p].shape, row, field) *
-              load_node(split.parts[p].smoothed_fraction.data() + std::size_t(row) * node_stride);
+              field_at_row(*split.parts[p].shape, row, field) * split.parts[p].fraction_of_row(row);
       store_node(sum, result.node(node));
     }
   }

@@ -3,7 +3,6 @@
 
 #include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/base/simd/vectorization.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -186,20 +185,15 @@ namespace tombolo
   void MassSplit::add_own_momentum(const NodalVector &velocity, NodalVector &result) const
   {
     for (std::size_t k = 0; k < own_nodes.size(); ++k)
-    {
-      double *const target = result.node(own_nodes[k]);
-      store_node(load_node(target) + load_node(own_mass.data() + k * node_stride) *
-                                         load_node(velocity.node(own_nodes[k])),
-                 target);
-    }
+      add_to_node(own_mass_of(k) * load_node(velocity.node(own_nodes[k])),
+                  result.node(own_nodes[k]));
   }
 
   void MassSplit::set_own_fraction(const NodalVector &field, NodalVector &result) const
   {
     result.set_zero();
     for (std::size_t k = 0; k < own_nodes.size(); ++k)
-      store_node(load_node(own_fraction.data() + k * node_stride) *
-                     load_node(field.node(own_nodes[k])),
+      store_node(own_fraction_of(k) * load_node(field.node(own_nodes[k])),
                  result.node(own_nodes[k]));
   }
 
@@ -241,12 +235,9 @@ namespace tombolo
         NodalSmoothing::scatter(*part.shape, mass, ones.data(), result.data());
       else
         for (unsigned int row = 0; row < part.shape->n_particles(); ++row)
-        {
-          double *const target = result.node(part.shape->particle_node[row]);
-          store_node(load_node(target) + load_node(mass + std::size_t(row) * node_stride) *
-                                             accelerated_share(part, row),
-                     target);
-        }
+          add_to_node(load_node(mass + std::size_t(row) * node_stride) *
+                          accelerated_share(part, row),
+                      result.node(part.shape->particle_node[row]));
     }
     result.add_to_owners();
   }

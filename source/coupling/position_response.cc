@@ -2,7 +2,6 @@
 #include <tombolo/coupling/position_response.h>
 
 #include <tombolo/approximation/nodal_smoothing.h>
-#include <tombolo/base/simd/vectorization.h>
 
 #include <algorithm>
 
@@ -143,10 +142,8 @@ namespace tombolo
     const auto add_own = [&](const NodalVector &from, NodalVector &to)
     {
       for (const std::size_t k : own)
-        store_node(load_node(to.node(split.own_nodes[k])) +
-                       load_node(split.own_mass.data() + k * node_stride) *
-                           load_node(from.node(split.own_nodes[k])),
-                   to.node(split.own_nodes[k]));
+        add_to_node(split.own_mass_of(k) * load_node(from.node(split.own_nodes[k])),
+                    to.node(split.own_nodes[k]));
     };
     clear(touched, rate);
     add_own(field, rate);

@@ -192,7 +192,7 @@ namespace tombolo
       {
         model.signals.part_force(share.part, force, false);
         for (const unsigned int i : share.nodes)
-          store_node(load_node(force.node(i)) + load_node(share.force.node(i)), force.node(i));
+          add_to_node(load_node(share.force.node(i)), force.node(i));
         model.signals.part_force(share.part, force, true);
       }
     }

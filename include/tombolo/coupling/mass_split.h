@@ -3,6 +3,7 @@
 
 #include <tombolo/approximation/smoothing_settings.h>
 #include <tombolo/approximation/stencils.h>
+#include <tombolo/base/simd/vectorization.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <deal.II/base/aligned_vector.h>
@@ -40,6 +41,11 @@ namespace tombolo
       dealii::AlignedVector<double> smoothed_fraction; ///< of m̂, node_stride per row
       dealii::AlignedVector<double> row_mass; ///< where nothing is prescribed; if has_lumped_rows
       std::vector<unsigned int> element_rows; ///< rows of nodes shared with elements
+
+      TOMBOLO_ALWAYS_INLINE NodeLanes fraction_of_row(const std::size_t row) const
+      {
+        return load_node(smoothed_fraction.data() + row * node_stride);
+      }
     };
 
     /** The masses that are split; see Bridge::reinit(). */
@@ -111,6 +117,16 @@ namespace tombolo
     /** Of each owned node: whether its mass is its own in all components, so that smoothing leaves
      * its velocity, and no plane of symmetry changes it. */
     std::vector<bool> move_alone() const;
+
+    TOMBOLO_ALWAYS_INLINE NodeLanes own_mass_of(const std::size_t k) const
+    {
+      return load_node(own_mass.data() + k * node_stride);
+    }
+
+    TOMBOLO_ALWAYS_INLINE NodeLanes own_fraction_of(const std::size_t k) const
+    {
+      return load_node(own_fraction.data() + k * node_stride);
+    }
 
     /** Adds the own part of W @p velocity at owned nodes. */
     void add_own_momentum(const NodalVector &velocity, NodalVector &result) const;

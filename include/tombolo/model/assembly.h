@@ -35,8 +35,7 @@ namespace tombolo
         result.set_zero();
       if (is_trace)
       {
-        if (element_result.partition() != result.partition())
-          element_result.reinit_like(result);
+        element_result.fit_to(result.partition(), result.quantity());
         element_result.set_zero();
       }
       const NodalVector &element_field = bridge.element_velocity(field);

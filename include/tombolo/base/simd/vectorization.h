@@ -3,7 +3,6 @@
 
 #include <tombolo/base/simd/unroll.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <experimental/simd>
@@ -69,6 +68,11 @@ namespace tombolo
   TOMBOLO_ALWAYS_INLINE void store_node(const NodeLanes &value, double *data)
   {
     value.copy_to(data, std::experimental::element_aligned);
+  }
+
+  TOMBOLO_ALWAYS_INLINE void add_to_node(const NodeLanes &value, double *data)
+  {
+    store_node(load_node(data) + value, data);
   }
 
   /** (x, y, z, 0) */
