@@ -12,26 +12,21 @@ namespace tombolo
     return {prefix, boost::replace_all_copy(name, "/", "_") + "/"};
   }
 
-  StateArchive::StateArchive(const std::string &file, const Mode mode, MPI_Comm communicator)
-      : archive_file(file, mode, communicator)
-  {}
-
   template <typename Value>
   void StateArchive::global(const std::string &name, std::vector<Value> &values)
   {
     if (!is_reading())
     {
       const std::uint64_t n = values.size();
-      archive_file.write(
-          path(name),
-          Utilities::MPI::this_mpi_process(communicator()) == 0 ? values : std::vector<Value>(), n,
-          1, 0);
+      write(path(name),
+            Utilities::MPI::this_mpi_process(communicator()) == 0 ? values : std::vector<Value>(),
+            n, 1, 0);
     }
     else
     {
-      const auto [n_rows, n_columns] = archive_file.extent(path(name));
+      const auto [n_rows, n_columns] = extent(path(name));
       check_size(name, n_rows * n_columns, n_rows); // one column
-      values = archive_file.read<Value>(path(name), 0, n_rows, 1);
+      values = read<Value>(path(name), 0, n_rows, 1);
     }
   }
 
@@ -79,14 +74,14 @@ namespace tombolo
       std::vector<double> values{static_cast<double>(n_ranks)};
       for (const double *const share : shares)
         values.push_back(*share);
-      archive_file.write(path(name), values, n_ranks, n, rank);
+      write(path(name), values, n_ranks, n, rank);
       return;
     }
-    const auto [n_writers, n_values] = archive_file.extent(path(name));
+    const auto [n_writers, n_values] = extent(path(name));
     check_size(name, n_values, n);
     if (n_writers == 0)
       fail("\"" + path(name) + "\" has no rows.");
-    const std::vector<double> all = archive_file.read<double>(path(name), 0, n_writers, n);
+    const std::vector<double> all = read<double>(path(name), 0, n_writers, n);
     for (std::size_t writer = 0; writer < n_writers; ++writer)
       if (all[writer * n] != static_cast<double>(n_writers))
         fail("\"" + path(name) + "\" has the rows of another number of ranks.");
@@ -104,23 +99,23 @@ namespace tombolo
 
   void StateArchive::set_nodes(const std::vector<std::uint64_t> &ids)
   {
-    nodes = std::make_unique<ArchiveRows>(archive_file, path("node"), ids);
+    nodes = std::make_unique<ArchiveRows>(static_cast<ArchiveFile &>(*this), path("node"), ids);
   }
 
   void StateArchive::set_nodes(const RowSources &sources)
   {
-    nodes = std::make_unique<ArchiveRows>(archive_file, path("node"), sources);
+    nodes = std::make_unique<ArchiveRows>(static_cast<ArchiveFile &>(*this), path("node"), sources);
   }
 
   void StateArchive::set_rows(const std::vector<std::uint64_t> &ids)
   {
-    row_set = std::make_unique<ArchiveRows>(archive_file, path("id"), ids);
+    row_set = std::make_unique<ArchiveRows>(static_cast<ArchiveFile &>(*this), path("id"), ids);
   }
 
   void StateArchive::rows(const std::string &name, const unsigned int n_components,
                           std::vector<double> &values)
   {
-    row_set->transfer(archive_file, path(name), n_components, values);
+    row_set->transfer(*this, path(name), n_components, values);
   }
 
   void StateArchive::nodal(const std::string &name, const unsigned int n_components,
@@ -133,7 +128,7 @@ namespace tombolo
     values.reserve(std::size_t(n_owned) * n_components);
     for (unsigned int i = 0; i < n_owned; ++i)
       values.insert(values.end(), vector.node(i), vector.node(i) + n_components);
-    nodes->transfer(archive_file, path(name), n_components, values);
+    nodes->transfer(*this, path(name), n_components, values);
     if (!is_reading())
       return;
     for (unsigned int i = 0; i < n_owned; ++i)
@@ -159,7 +154,7 @@ namespace tombolo
     for (std::size_t k = 0; k < n; ++k)
       if (local_nodes[k] < nodes->n_own())
         std::copy_n(entries[k].begin(), 3, node_values(k));
-    nodes->transfer(archive_file, path(name), 3, values);
+    nodes->transfer(*this, path(name), 3, values);
     for (std::size_t k = 0; k < n; ++k)
       if (local_nodes[k] < nodes->n_own() && (is_field || nodes->is_of_file(local_nodes[k])))
         std::copy_n(node_values(k), 3, entries[k].begin());

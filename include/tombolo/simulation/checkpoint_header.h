@@ -40,7 +40,7 @@ namespace tombolo
     unsigned int earlier = 0;
     archive("dimension", earlier);
     if (earlier != dimension)
-      parameters.fail("Dimension", "the checkpoint " + archive.file() +
+      parameters.fail("Dimension", "the checkpoint " + archive.name() +
                                        " is of a model of dimension " + std::to_string(earlier) +
                                        ".");
     CheckpointHeader result;

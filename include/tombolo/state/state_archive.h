@@ -34,38 +34,22 @@ namespace tombolo
    * Every dataset carries a checksum that does not depend on its distribution. Reading another
    * model throws an InputError that names the dataset, on all ranks. All functions are collective.
    */
-  class StateArchive
+  class StateArchive : private ArchiveFile
   {
   public:
-    using Mode = ArchiveFile::Mode;
+    using ArchiveFile::close;
+    using ArchiveFile::communicator;
+    using ArchiveFile::fail;
+    using ArchiveFile::is_reading;
+    using ArchiveFile::Mode;
+    using ArchiveFile::name;
+    using ArchiveFile::verify;
 
     /** Creates or opens a file. Throws RunError where it cannot be created and DamagedCheckpoint
      * where it cannot be read. */
-    StateArchive(const std::string &file, Mode mode, MPI_Comm communicator);
-    StateArchive(const StateArchive &) = delete;
-    StateArchive &operator=(const StateArchive &) = delete;
-
-    /** Ends writing, with all bits on the disk. Throws RunError where something could not be
-     * written. */
-    void close()
-    {
-      archive_file.close();
-    }
-
-    bool is_reading() const
-    {
-      return archive_file.is_reading();
-    }
-
-    MPI_Comm communicator() const
-    {
-      return archive_file.communicator();
-    }
-
-    const std::string &file() const
-    {
-      return archive_file.name();
-    }
+    StateArchive(const std::string &file, const Mode mode, const MPI_Comm communicator)
+        : ArchiveFile(file, mode, communicator)
+    {}
 
     /** Goes back to the group that was current before. */
     class Group
@@ -94,7 +78,7 @@ namespace tombolo
     /** Whether there is a dataset or a group of this name; true when writing. */
     bool has(const std::string &name)
     {
-      return archive_file.has(path(name));
+      return ArchiveFile::has(path(name));
     }
 
     void operator()(const std::string &name, std::vector<double> &values);
@@ -172,19 +156,12 @@ namespace tombolo
     /** Rows of the present group by identifiers, of which some may be missing. Only on reading. */
     ArchiveLookup find_rows(const std::vector<std::uint64_t> &ids)
     {
-      return {archive_file, path("id"), ids};
+      return {*this, path("id"), ids};
     }
     std::vector<double> rows(const ArchiveLookup &lookup, const std::string &name,
                              const unsigned int n_components)
     {
-      return lookup.read(archive_file, path(name), n_components);
-    }
-
-    /** Reads all datasets of a file and compares their checksums. Throws a DamagedCheckpoint that
-     * names the first which is wrong. */
-    static void verify(const std::string &file, MPI_Comm communicator)
-    {
-      ArchiveFile::verify(file, communicator);
+      return lookup.read(*this, path(name), n_components);
     }
 
     /** The transfer from a mesh that is divided in the run to the next one. */
@@ -204,12 +181,6 @@ namespace tombolo
       division_data->clock = clock;
     }
 
-    /** Throws an InputError that begins with the name of the file. */
-    [[noreturn]] void fail(const std::string &message) const
-    {
-      archive_file.fail(message);
-    }
-
   private:
     std::string path(const std::string &name) const
     {
@@ -219,12 +190,11 @@ namespace tombolo
     void check_size(const std::string &name, const std::size_t given,
                     const std::size_t expected) const
     {
-      archive_file.check_size(path(name), given, expected);
+      ArchiveFile::check_size(path(name), given, expected);
     }
     template <typename Value>
     void global(const std::string &name, std::vector<Value> &values);
 
-    ArchiveFile archive_file;
     std::string prefix; // of the present group, with its slash
     std::unique_ptr<ArchiveRows> nodes, row_set;
     std::shared_ptr<const NodePartition> partition;
