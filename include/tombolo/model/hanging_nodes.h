@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <map>
 #include <set>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -148,16 +147,17 @@ namespace tombolo
     const std::string large_reason = why_unfit_beside(first.part, first.fine_part, parts);
     const unsigned int unfit = large_reason.empty() ? first.fine_part : first.part;
     const Section &section = part_sections[unfit];
-    std::ostringstream message;
-    message << "At " << position_text(first.position) << " a cell of the part \""
-            << part_sections[first.part].name() << "\" lies beside cells of half its size";
-    if (first.fine_part != first.part)
-      message << " of the part \"" << part_sections[first.fine_part].name() << "\"";
-    message << ", and cells of \"" << section.get("Formulation") << "\" "
-            << (large_reason.empty() ? why_unfit(unfit, parts) : large_reason)
-            << ". Refine all of the part or nothing of it (`Refine where` in section Mesh), or "
-               "choose \"smoothed cells\" or elements of degree one that stay.";
-    section.fail("Formulation", message.str());
+    section.fail(
+        "Formulation",
+        "At " + position_text(first.position) + " a cell of the part \"" +
+            part_sections[first.part].name() + "\" lies beside cells of half its size" +
+            (first.fine_part == first.part
+                 ? ""
+                 : " of the part \"" + part_sections[first.fine_part].name() + "\"") +
+            ", and cells of \"" + section.get("Formulation") + "\" " +
+            (large_reason.empty() ? why_unfit(unfit, parts) : large_reason) +
+            ". Refine all of the part or nothing of it (`Refine where` in section Mesh), or "
+            "choose \"smoothed cells\" or elements of degree one that stay.");
   }
 
   /** The nodes in the middle of faces and edges of cells where these are means, ascending: as far

@@ -197,27 +197,25 @@ namespace tombolo
         return static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
       }
 
+      std::size_t number_of(const std::uint64_t cell, const unsigned int corner) const
+      {
+        return number_of(cell) * GeometryInfo<dim>::vertices_per_cell + corner;
+      }
+
       std::uint64_t node(const std::uint64_t cell, const unsigned int corner) const
       {
-        return id_of_halves(numbers.data() +
-                            (number_of(cell) * GeometryInfo<dim>::vertices_per_cell + corner) *
-                                n_halves);
+        return id_of_halves(numbers.data() + number_of(cell, corner) * n_halves);
       }
 
       double mass(const std::uint64_t cell, const unsigned int corner) const
       {
-        return motion[(number_of(cell) * GeometryInfo<dim>::vertices_per_cell + corner) *
-                      (dim + 1)];
+        return motion[number_of(cell, corner) * (dim + 1)];
       }
 
       dealii::Tensor<1, dim> velocity(const std::uint64_t cell, const unsigned int corner) const
       {
-        Tensor<1, dim> result;
-        for (unsigned int d = 0; d < dim; ++d)
-          result[d] =
-              motion[(number_of(cell) * GeometryInfo<dim>::vertices_per_cell + corner) * (dim + 1) +
-                     1 + d];
-        return result;
+        return Tensor<1, dim>(dealii::ArrayView<const double>(
+            motion.data() + number_of(cell, corner) * (dim + 1) + 1, dim));
       }
     };
 

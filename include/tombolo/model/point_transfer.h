@@ -3,7 +3,6 @@
 
 #include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/model_checkpoint.h>
 #include <tombolo/state/archive_rows.h>
 #include <tombolo/state/field.h>
 #include <tombolo/state/nodal_vector.h>
@@ -282,10 +281,8 @@ namespace tombolo
       const Formulation<dim> &formulation = *model.parts[part].formulation;
       const auto old_position = [&](const std::size_t cell, const unsigned int q)
       {
-        Point<dim> position;
-        for (unsigned int d = 0; d < dim; ++d)
-          position[d] = positions[(cell * n_points + q) * dim + d];
-        return position;
+        return Point<dim>(Tensor<1, dim>(
+            dealii::ArrayView<const double>(positions.data() + (cell * n_points + q) * dim, dim)));
       };
       sources.from.resize(cells.size() * n_points);
       sources.volume.resize(sources.from.size());

@@ -41,12 +41,7 @@ namespace tombolo
       const NodalVector &initial = state.initial_position;
       const unsigned int n_owned = initial.partition()->n_owned();
       const auto position_of = [&](const unsigned int i)
-      {
-        Vector result;
-        for (unsigned int d = 0; d < dim; ++d)
-          result[d] = initial.node(i)[d];
-        return result;
-      };
+      { return Vector(dealii::ArrayView<const double>(initial.node(i), dim)); };
       communicator = nodes.communicator();
       requested_position = target;
       largest_distance = largest_cell;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
 
-#include <sstream>
+#include <tombolo/base/format.h>
 
 namespace tombolo
 {
@@ -46,9 +46,12 @@ namespace tombolo
 
   Range from_to(const double lower, const double upper)
   {
-    std::ostringstream words;
-    words << "a number from " << lower << " to " << upper << ".";
-    return {-Range::infinite, Range::infinite, lower, upper, false, words.str()};
+    return {-Range::infinite,
+            Range::infinite,
+            lower,
+            upper,
+            false,
+            as_text("a number from ", lower, " to ", upper, ".")};
   }
 
   Range above_zero_up_to(const double upper)
@@ -61,9 +64,12 @@ namespace tombolo
 
   Range positive_up_to(const double upper, const std::string &reason)
   {
-    std::ostringstream words;
-    words << "a number above 0 and up to " << upper << reason;
-    return {-Range::infinite, Range::infinite, 0., upper, true, words.str()};
+    return {-Range::infinite,
+            Range::infinite,
+            0.,
+            upper,
+            true,
+            as_text("a number above 0 and up to ", upper, reason)};
   }
 
   Entries::Entries(ParameterHandler &handler) : handler(&handler) {}

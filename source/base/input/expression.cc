@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/expression.h>
 
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/expression_tokens.h>
 #include <tombolo/base/input/input_file.h>
 #include <tombolo/base/input/name_hints.h>
@@ -391,16 +392,10 @@ namespace tombolo
       return data.constant;
     const double result = data.function->evaluate(point, time);
     if (!std::isfinite(result))
-    {
-      std::ostringstream message;
-      message << implementation->description << ": ";
-      if (n_components() > 1)
-        message << "component " << component + 1 << " ";
-      else
-        message << "the value ";
-      message << "is not finite (" << result << ") at (" << point << "), t = " << time << ".";
-      throw RunError(message.str());
-    }
+      throw RunError(
+          as_text(implementation->description, ": ",
+                  n_components() > 1 ? "component " + std::to_string(component + 1) : "the value",
+                  " is not finite (", result, ") at (", point, "), t = ", time, "."));
     return result;
   }
 
