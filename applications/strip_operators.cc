@@ -27,7 +27,7 @@ namespace
 
   void declare_parameters(Parameters &parameters)
   {
-    Model<2>::declare_parameters(parameters);
+    declare_model<2>(parameters);
     declare_section<StepSize<2>>(parameters, "Time step");
     const Entries probe = Entries(parameters.handler()).subsection("Probe");
     const dealii::Patterns::List point(dealii::Patterns::Double(), 2, 2);

@@ -3,11 +3,11 @@
 #include <tombolo/base/input/plugin_library.h>
 #include <tombolo/base/input/program.h>
 #include <tombolo/base/input/registry.h>
-#include <tombolo/base/processor.h>
 #include <tombolo/output/summary.h>
 #include <tombolo/simulation/results_owner.h>
 #include <tombolo/simulation/simulation.h>
 #include <tombolo/simulation/stages.h>
+#include <tombolo/version.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -101,6 +101,30 @@ namespace
     for (const std::string &assignment : command_line.overrides())
       command += " --set " + shell_word(assignment);
     return command;
+  }
+
+  /** A sentence for the user where this processor has wider vectors than the program was compiled
+   * for, so that another build can be faster; empty elsewhere. Not collective. */
+  std::string advice_on_processor()
+  {
+#if defined(__x86_64__) && defined(__OPTIMIZE__)
+    const std::string architecture = TOMBOLO_ARCHITECTURE;
+    std::string wider;
+#  ifndef __AVX2__
+    if (__builtin_cpu_supports("avx2"))
+      wider = "AVX2";
+#  endif
+#  ifndef __AVX512F__
+    if (__builtin_cpu_supports("avx512f"))
+      wider = "AVX-512";
+#  endif
+    if (!wider.empty())
+      return "This program is built for " +
+             (architecture.empty() ? std::string("every processor of its kind") : architecture) +
+             ", and this processor has " + wider +
+             ": built from its sources on this machine, it can be faster.";
+#endif
+    return "";
   }
 
   /** Whether the scripts are in the directory of the program, as commands. */

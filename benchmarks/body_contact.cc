@@ -85,7 +85,7 @@ namespace tombolo
                 "subsection Body contact: joint\nset Slave parts = lower\n"
                 "set Master parts = upper\nset Friction = 0.2\nend\n",
             "benchmark.prm");
-        Model<3>::declare_parameters(parameters);
+        declare_model<3>(parameters);
         parameters.assign();
         model = std::make_unique<Model<3>>(parameters, MPI_COMM_SELF);
         std::filesystem::remove(file);

@@ -53,7 +53,7 @@ namespace tombolo
                 of.formulation + "\nsubsection " + of.formulation + "\n" + of.options +
                 "\nend\nend\n",
             "benchmark.prm");
-        Model<3>::declare_parameters(parameters);
+        declare_model<3>(parameters);
         parameters.assign();
         model = std::make_unique<Model<3>>(parameters, MPI_COMM_SELF);
         step = std::make_unique<MechanicalStep<3>>(*model);

@@ -101,7 +101,7 @@ namespace tombolo
                 "set Formulation = " +
                 formulation + "\nsubsection " + formulation + "\n" + options + "\nend\nend\n",
             "benchmark.prm");
-        Model<3>::declare_parameters(parameters);
+        declare_model<3>(parameters);
         parameters.assign();
         model = std::make_unique<Model<3>>(parameters, MPI_COMM_SELF);
         step = std::make_unique<MechanicalStep<3>>(*model);

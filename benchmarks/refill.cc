@@ -48,7 +48,7 @@ namespace tombolo
                 "set Refill stretch = 1.0001\nset Refill surface = " +
                 (slides ? "sliding" : "held") + "\nend\nend\n",
             "benchmark.prm");
-        Model<3>::declare_parameters(parameters);
+        declare_model<3>(parameters);
         parameters.handler().declare_entry("End time", "1", Patterns::Double());
         parameters.assign();
         model = std::make_unique<Model<3>>(parameters, MPI_COMM_SELF);

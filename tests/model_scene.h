@@ -22,7 +22,7 @@ namespace tombolo
           : parameters(communicator)
       {
         parameters.read_text(text, "test.prm");
-        Model<dim>::declare_parameters(parameters);
+        declare_model<dim>(parameters);
         declare_section<StepSize<dim>>(parameters, "Time step");
         parameters.assign();
         model = std::make_unique<Model<dim>>(parameters, communicator);

@@ -3,7 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
-#include <tombolo/base/simd/cross_product.h>
+#include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/base/simd/unroll.h>
 
 #include <cmath>

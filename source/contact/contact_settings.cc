@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/contact_settings.h>
 
-#include <tombolo/base/input/number.h>
+#include <tombolo/base/input/text.h>
 
 namespace tombolo
 {

@@ -16,8 +16,6 @@ namespace tombolo
         trace_transfer(split), constrained_particles(split)
   {}
 
-  Bridge::~Bridge() = default;
-
   void Bridge::reinit(const std::shared_ptr<const NodePartition> &partition,
                       const std::vector<Stencils *> &particle_parts,
                       const NodalVector &element_mass, const std::vector<std::uint8_t> &constrained,

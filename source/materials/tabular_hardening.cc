@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
-#include <tombolo/base/input/number.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/cowper_symonds.h>

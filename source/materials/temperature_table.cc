@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/utilities.h>
 
-#include <tombolo/base/input/number.h>
+#include <tombolo/base/input/text.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/temperature_table.h>
 

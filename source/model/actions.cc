@@ -2,7 +2,6 @@
 #include <tombolo/model/actions.h>
 
 #include <tombolo/base/clock.h>
-#include <tombolo/base/step_impulse.h>
 #include <tombolo/coupling/bridge.h>
 #include <tombolo/model/impulse_account.h>
 #include <tombolo/state/nodal_state.h>

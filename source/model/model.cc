@@ -2,7 +2,6 @@
 #include <tombolo/model/model.h>
 
 #include <tombolo/mesh/image_conditions.h>
-#include <tombolo/model/equal_parts.h>
 #include <tombolo/model/hanging_nodes.h>
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/model_input.h>
@@ -14,17 +13,24 @@
 
 namespace tombolo
 {
-  template <int dim>
-  void Model<dim>::declare_parameters(Parameters &parameters)
+  namespace
   {
-    declare_model<dim>(parameters);
-  }
-
-  template <int dim>
-  Physics<dim> Model<dim>::validate(const Parameters &parameters)
-  {
-    return validate_model<dim>(parameters);
-  }
+    /** Sets the equal parts, and those of another material, of a part whose section is one of
+     * @p part_sections. */
+    template <int dim>
+    void find_equal_parts(const std::vector<Section> &part_sections, PartSetup<dim> &setup)
+    {
+      const Section &section = part_sections[setup.index];
+      const std::string formulation = section.get("Formulation");
+      for (unsigned int p = 0; p < part_sections.size(); ++p)
+        if (const Section &other = part_sections[p];
+            p != setup.index && other.get("Formulation") == formulation &&
+            section.subsection(formulation).is_equal_to(other.subsection(formulation)))
+          (other.get("Material") == section.get("Material") ? setup.equal_parts
+                                                            : setup.parts_of_other_material)
+              .push_back(p);
+    }
+  } // namespace
 
   template <int dim>
   Model<dim>::Model(const Parameters &parameters, MPI_Comm communicator,
@@ -401,9 +407,6 @@ namespace tombolo
     return heat != nullptr && (heat->has_plastic_heat() ||
                                std::any_of(processes.begin(), processes.end(), has_sources));
   }
-
-  template <int dim>
-  Model<dim>::~Model() = default;
 
   template class Model<2>;
   template class Model<3>;

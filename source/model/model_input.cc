@@ -8,8 +8,8 @@
 #include <tombolo/mesh/mesh_source.h>
 #include <tombolo/mesh/refinement.h>
 #include <tombolo/model/initial_condition.h>
+#include <tombolo/model/model.h>
 #include <tombolo/model/moving_parts.h>
-#include <tombolo/model/thermal_model.h>
 
 #include <deal.II/base/mpi.h>
 

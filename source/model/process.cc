@@ -147,9 +147,6 @@ namespace tombolo
     };
   } // namespace
 
-  template <int dim>
-  Process<dim>::~Process() = default;
-
   template class Process<2>;
   template class Process<3>;
   template class ProcessKinds<2>;

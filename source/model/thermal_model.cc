@@ -337,9 +337,6 @@ namespace tombolo
     return smallest_limit(part_limits, position.partition()->communicator());
   }
 
-  template <int dim>
-  ThermalModel<dim>::~ThermalModel() = default;
-
   template class ThermalModel<2>;
   template class ThermalModel<3>;
 } // namespace tombolo

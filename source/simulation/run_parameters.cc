@@ -22,7 +22,7 @@ namespace tombolo
   template <int dim>
   void declare_run_parameters(Parameters &parameters)
   {
-    Model<dim>::declare_parameters(parameters);
+    declare_model<dim>(parameters);
     const Entries e(parameters.handler());
     e.number("End time", mandatory, any_number(), "T",
              "The run ends at this time; it starts at 0.");
@@ -63,7 +63,7 @@ namespace tombolo
           if (!obstacle.empty())
             parameters.fail("Output directory", obstacle);
         });
-    const Physics<dim> physics = Model<dim>::validate(parameters);
+    const Physics<dim> physics = validate_model<dim>(parameters);
     const bool has_statics = StaticSteps<dim>::are_chosen(parameters);
     if (has_statics)
       parameters.attempt(

@@ -4,7 +4,6 @@
 #include <tombolo/approximation/kernel.h>
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/simd/node_lanes.h>
-#include <tombolo/base/simd/reciprocal_root.h>
 #include <tombolo/base/simd/selected_lanes.h>
 #include <tombolo/base/simd/unroll.h>
 

@@ -4,7 +4,7 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/on_ranks.h>
-#include <tombolo/base/simd/cross_product.h>
+#include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/mesh/face_shapes.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/region.h>

@@ -4,7 +4,7 @@
 #include <deal.II/base/tensor.h>
 #include <deal.II/base/types.h>
 
-#include <tombolo/base/simd/cross_product.h>
+#include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/mesh/face_shapes.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_vector.h>

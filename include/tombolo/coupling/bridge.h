@@ -47,7 +47,6 @@ namespace tombolo
   public:
     /** The smoothed field is a vector, or up to node_stride scalars. */
     Bridge(const SmoothingSettings &smoothing, bool trace, Quantity quantity = Quantity::vector);
-    ~Bridge();
 
     /** Sets which particle parts of reinit() are smoothed, before its first call. The mass of
      * others is their nodes' own, as that of elements is: S and Φ stay adjoint, and are the

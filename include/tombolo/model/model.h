@@ -72,19 +72,11 @@ namespace tombolo
   class Model
   {
   public:
-    /** Declares the sections of the scene that @p parameters names. */
-    static void declare_parameters(Parameters &parameters);
-
-    /** Makes every plug-in that the file selects, without a mesh: refuses bad values. Returns what
-     * there is of mechanics and heat. */
-    static Physics<dim> validate(const Parameters &parameters);
-
     /** Changes the mesh of the file before the model is built on it. */
     using MeshChange = std::function<void(DividedMesh<dim> &)>;
 
     /** Throws InputError. Collective. */
     Model(const Parameters &parameters, MPI_Comm communicator, const MeshChange &change_mesh = {});
-    ~Model();
 
     /** Renews neighbourhoods and rows where their criterion requires it, and what depends on them:
      * ghosts, masses. The set of ghost nodes may have changed even if it returns no change.
@@ -206,15 +198,12 @@ namespace tombolo
     NodalVector mass_of_bodies; // where inertia is not that of the mass
   };
 
-  /** The objects of type T that the processes of a model show, such as contacts, in their order. */
-  template <typename T, int dim>
-  std::vector<const T *> shown_by_processes(const Model<dim> &model)
-  {
-    std::vector<const T *> result;
-    for (const auto &process : model.processes)
-      for (const auto &[type, object] : process->observed.objects)
-        if (type == typeid(T))
-          result.push_back(static_cast<const T *>(object));
-    return result;
-  }
+  /** Declares the sections of the scene that @p parameters names. */
+  template <int dim>
+  void declare_model(Parameters &parameters);
+
+  /** Makes every plug-in that the file selects, without a mesh: refuses bad values. Returns what
+   * there is of mechanics and heat. */
+  template <int dim>
+  Physics<dim> validate_model(const Parameters &parameters);
 } // namespace tombolo

@@ -4,8 +4,6 @@
 namespace tombolo
 {
   template <int dim>
-  class Formulation;
-  template <int dim>
   class MeshTransfer;
   template <int dim>
   class Model;

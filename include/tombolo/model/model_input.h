@@ -56,12 +56,4 @@ namespace tombolo
    * vertices are so far away that volumes would overflow. Collective. */
   template <int dim>
   void read_mesh(const Section &section, Mesh<dim> &mesh, MPI_Comm communicator);
-
-  /** Model::declare_parameters(). */
-  template <int dim>
-  void declare_model(Parameters &parameters);
-
-  /** Model::validate(). */
-  template <int dim>
-  Physics<dim> validate_model(const Parameters &parameters);
 } // namespace tombolo

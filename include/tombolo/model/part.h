@@ -10,6 +10,9 @@
 
 namespace tombolo
 {
+  template <int dim>
+  class Model;
+
   /** Cells × formulation × material. */
   template <int dim>
   struct Part
@@ -38,5 +41,16 @@ namespace tombolo
       if (part.particles != nullptr)
         are_smoothed.push_back(part.particles->smoothing().is_active);
     return are_smoothed;
+  }
+
+  /** The mass that the cells of a part, or its particles, have at owned nodes, scalar [M]. What
+   * dependent nodes had of it is at those on which they depend. Collective. */
+  template <int dim>
+  NodalVector mass_of_part(const Model<dim> &model, const Formulation<dim> &part)
+  {
+    NodalVector mass(model.state.partition(), Quantity::scalar);
+    part.add_mass(mass);
+    mass.collect();
+    return mass;
   }
 } // namespace tombolo

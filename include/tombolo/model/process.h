@@ -74,7 +74,7 @@ namespace tombolo
   class Process
   {
   public:
-    virtual ~Process();
+    virtual ~Process() = default;
 
     /** Of a process that the scene names: its section, for messages, and the model as it is
      * initially. Throws InputError. */
@@ -223,6 +223,18 @@ namespace tombolo
     void collect_heat(const Model<dim> &model, bool on_rank_only);
   };
 
+  /** The objects of type T that the processes of a model show, such as contacts, in their order. */
+  template <typename T, int dim>
+  std::vector<const T *> shown_by_processes(const Model<dim> &model)
+  {
+    std::vector<const T *> result;
+    for (const auto &process : model.processes)
+      for (const auto &[type, object] : process->observed.objects)
+        if (type == typeid(T))
+          result.push_back(static_cast<const T *>(object));
+    return result;
+  }
+
   /**
    * Makes the processes of one kind from a parameter file, or none. A kind is registered by one
    * line, TOMBOLO_REGISTER_PROCESS_KIND, in the source file of the process; nothing else in the
@@ -258,6 +270,19 @@ namespace tombolo
       if (auto process = create_one(parameters, model))
         result.push_back(std::move(process));
       return result;
+    }
+  };
+
+  /** The kind of processes of a class that has no entries of its own. Made<dim> has a static
+   * function make(), which does what create_one() describes. */
+  template <int dim, template <int> class Made>
+  class PlainKind : public ProcessKind<dim>
+  {
+  public:
+    std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
+                                             Model<dim> &model) const override
+    {
+      return Made<dim>::make(parameters, model);
     }
   };
 
@@ -319,3 +344,13 @@ namespace tombolo
     const ::tombolo::internal::ProcessKindRegistration<3, Kind<3>>                                 \
         TOMBOLO_UNIQUE_NAME(process_kind_3_)(order, #Kind);                                        \
   }
+
+/** Registers the class template Made<dim> as a process by PlainKind. Once, in a source
+ * file. */
+#define TOMBOLO_REGISTER_PROCESS(Made, order)                                                      \
+  namespace                                                                                        \
+  {                                                                                                \
+    template <int dim>                                                                             \
+    using KindOf##Made = ::tombolo::PlainKind<dim, Made>;                                          \
+  }                                                                                                \
+  TOMBOLO_REGISTER_PROCESS_KIND(KindOf##Made, order)

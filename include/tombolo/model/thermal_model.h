@@ -47,7 +47,6 @@ namespace tombolo
                  const Nodes<dim> &nodes, std::vector<Part<dim>> &parts,
                  const NodalVector &initial_position, const SmoothingSettings &smoothing,
                  bool trace);
-    ~ThermalModel();
 
     /** Nodes whose values this rank needs. */
     dealii::IndexSet required_nodes() const

@@ -4,7 +4,6 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/expression.h>
-#include <tombolo/base/input/number.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/mesh/boundary_names.h>

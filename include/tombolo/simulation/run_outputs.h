@@ -3,7 +3,6 @@
 
 #include <tombolo/base/clock.h>
 #include <tombolo/base/log.h>
-#include <tombolo/model/mass_of_part.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/exact_solution.h>
 #include <tombolo/output/output.h>

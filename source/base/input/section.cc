@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/utilities.h>
 
-#include <tombolo/base/input/number.h>
 #include <tombolo/base/input/parameters.h>
 
 #include <algorithm>

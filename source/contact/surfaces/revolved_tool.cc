@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
-#include <tombolo/base/input/number.h>
 #include <tombolo/base/input/read_vector.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surfaces/rigid_profile.h>

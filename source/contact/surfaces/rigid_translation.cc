@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/step_impulse.h>
+#include <tombolo/base/clock.h>
 #include <tombolo/contact/surfaces/rigid_translation.h>
 
-#include <tombolo/base/input/number.h>
 #include <tombolo/base/input/read_vector.h>
+#include <tombolo/base/input/text.h>
 #include <tombolo/state/records.h>
 
 #include <cmath>

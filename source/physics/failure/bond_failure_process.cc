@@ -4,7 +4,6 @@
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/formulations/failure/bonds.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/plain_kind.h>
 
 #include <deal.II/base/mpi.h>
 

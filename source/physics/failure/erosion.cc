@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/failure/erosion.h>
 
-#include <tombolo/model/plain_kind.h>
-
 namespace tombolo
 {
   TOMBOLO_REGISTER_PROCESS(Erosion, process_order::erosion)

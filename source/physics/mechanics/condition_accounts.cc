@@ -3,7 +3,6 @@
 
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/model/plain_kind.h>
 #include <tombolo/output/history.h>
 #include <tombolo/physics/mechanics/loads.h>
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/clock.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/base/step_impulse.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/plain_kind.h>
 #include <tombolo/output/output.h>
 #include <tombolo/physics/mechanics/condition_accounts.h>
 

@@ -2,7 +2,6 @@
 #include <tombolo/physics/mechanics/rigid_bodies.h>
 
 #include <tombolo/contact/surface_contact.h>
-#include <tombolo/model/mass_of_part.h>
 #include <tombolo/model/plain_kind.h>
 #include <tombolo/output/history.h>
 

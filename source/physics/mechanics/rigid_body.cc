@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/rigid_body.h>
 
+#include <tombolo/base/clock.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
-#include <tombolo/base/step_impulse.h>
 #include <tombolo/formulations/elements/rigid_cells.h>
 #include <tombolo/model/impulse_account.h>
 #include <tombolo/state/records.h>

@@ -8,7 +8,6 @@
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/impulse_account.h>
-#include <tombolo/model/mass_of_part.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/plain_kind.h>

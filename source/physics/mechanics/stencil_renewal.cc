@@ -2,7 +2,6 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/model/internal_power.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/plain_kind.h>
 #include <tombolo/physics/failure/bond_counts.h>
 
 #include <deal.II/base/mpi.h>

@@ -2,7 +2,6 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/formulations/particles/pair_interactions.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/plain_kind.h>
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 
 #include <cstdint>

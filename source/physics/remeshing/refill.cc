@@ -3,7 +3,6 @@
 #include <tombolo/base/moment.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/internal_power.h>
-#include <tombolo/model/plain_kind.h>
 #include <tombolo/physics/remeshing/part_refill.h>
 
 #include <deal.II/base/mpi.h>

@@ -4,7 +4,6 @@
 #include <deal.II/base/tensor.h>
 #include <deal.II/base/utilities.h>
 
-#include <tombolo/base/input/number.h>
 #include <tombolo/base/input/parameters.h>
 
 #include <cmath>

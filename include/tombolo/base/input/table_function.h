@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/number.h>
 #include <tombolo/base/input/text.h>
 
 #include <deal.II/base/utilities.h>

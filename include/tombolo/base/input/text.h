@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -24,4 +25,12 @@ namespace tombolo
   /** The section and the name of a path. */
   std::string parent_path(const std::string &path);
   std::string last_name(const std::string &path);
+
+  /** Whether the whole text is one number, which @p value becomes; it need not be finite. */
+  inline bool is_number(const std::string &text, double &value)
+  {
+    char *end = nullptr;
+    value = std::strtod(text.c_str(), &end);
+    return !text.empty() && end == text.c_str() + text.size();
+  }
 } // namespace tombolo

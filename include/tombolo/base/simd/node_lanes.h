@@ -182,4 +182,13 @@ namespace tombolo
     for (unsigned int lane = 0; lane < n_valid; ++lane)
       add(lane);
   }
+
+  /** a × b of the first three components; the last one is zero where it is in a or b. */
+  TOMBOLO_ALWAYS_INLINE NodeLanes cross_product(const NodeLanes &a, const NodeLanes &b)
+  {
+    const NodeLanes a_next = permute<1, 2, 0, 3>(a);
+    const NodeLanes b_next = permute<1, 2, 0, 3>(b);
+    const NodeLanes c = a * b_next - a_next * b;
+    return permute<1, 2, 0, 3>(c);
+  }
 } // namespace tombolo

@@ -3,9 +3,7 @@
 
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/input/entries.h>
-#include <tombolo/base/simd/interpolation.h>
 #include <tombolo/base/simd/node_lanes.h>
-#include <tombolo/base/simd/reciprocal_root.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/materials/temperature_table.h>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/base/format.h>
-#include <tombolo/base/input/number.h>
 #include <tombolo/base/input/parameters.h>
 
 #include <deal.II/base/point.h>

@@ -5,7 +5,6 @@
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/formulations/failure/bonds.h>
 #include <tombolo/formulations/smoothed/smoothed_cells.h>
-#include <tombolo/model/mass_of_part.h>
 #include <tombolo/model/model.h>
 
 #include <algorithm>

@@ -41,7 +41,7 @@ TEST(StepSize, is_estimated_again_where_cells_have_changed_by_the_threshold)
             "subsection Time step\nset Check interval = 1\nset Re-estimation threshold = " +
             threshold + "\nend\n",
         "test.prm");
-    Model<3>::declare_parameters(parameters);
+    declare_model<3>(parameters);
     declare_section<StepSize<3>>(parameters, "Time step");
     parameters.assign();
     Model<3> model(parameters, MPI_COMM_WORLD);
