@@ -17,17 +17,14 @@ namespace tombolo
   {}
 
   void Bridge::reinit(const std::shared_ptr<const NodePartition> &partition,
-                      const std::vector<Stencils *> &particle_parts,
-                      const NodalVector &element_mass, const std::vector<std::uint8_t> &constrained,
-                      const std::vector<double> &weights,
-                      const std::vector<std::vector<double>> &row_weights)
+                      const MassSplit::Masses &masses)
   {
     momentum_is_current = velocity_is_current = false;
     loads.reset_rows();
-    split.reinit(partition, {particle_parts, element_mass, constrained, weights, row_weights});
+    split.reinit(partition, masses);
 
     if (settings.is_active)
-      constrained_particles.reinit(constrained);
+      constrained_particles.reinit(masses.constrained);
 
     momentum.reinit(partition, quantity);
     scratch.reinit(partition, quantity);

@@ -24,8 +24,6 @@ namespace tombolo
     }
   } // namespace
 
-  ConstrainedParticles::ConstrainedParticles(const MassSplit &split) : split(split) {}
-
   void ConstrainedParticles::reinit(const std::vector<std::uint8_t> &constrained)
   {
     const auto &partition = split.total_mass.partition();
@@ -215,5 +213,4 @@ namespace tombolo
         }
     return work;
   }
-
 } // namespace tombolo

@@ -46,10 +46,6 @@ namespace tombolo
                  force.node(i));
   }
 
-  LoadTransfer::LoadTransfer(const MassSplit &split, const bool direct)
-      : split(split), direct(direct)
-  {}
-
   namespace
   {
     /** The @p field where a load at particle @p row acts. */

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace tombolo
 {
@@ -392,10 +391,5 @@ namespace tombolo
     }
     has_started = true;
     return is_sound || has_mass_above(0.);
-  }
-
-  bool MassSplit::extract_change_of_rows()
-  {
-    return std::exchange(rows_have_changed, false);
   }
 } // namespace tombolo

@@ -30,8 +30,6 @@ namespace tombolo
     }
   } // namespace
 
-  PositionResponse::PositionResponse(Bridge &bridge) : bridge(bridge) {}
-
   void PositionResponse::begin_step(const std::shared_ptr<const NodePartition> &partition)
   {
     for (NodalVector *const vector : {&force, &field, &rate})
@@ -168,5 +166,4 @@ namespace tombolo
       store_node(load_node(force.node(node)) / load_node(split.row_sums().node(node)),
                  response.node(node));
   }
-
 } // namespace tombolo

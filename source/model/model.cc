@@ -310,8 +310,8 @@ namespace tombolo
         weights.push_back(part.material->relative_inertia());
         row_weights.push_back(part.inertia);
       }
-    bridge->reinit(partition, stencils, element_mass, conditions->constrained_components(), weights,
-                   row_weights);
+    bridge->reinit(partition, {stencils, element_mass, conditions->constrained_components(),
+                               weights, row_weights});
     state.mass.copy_from(bridge->mass_split().loaded_mass());
   }
 

@@ -66,8 +66,8 @@ namespace tombolo
           *initial_volume.node(i) += *mass.node(i) / part.material->density();
       }
     }
-    bridge.reinit(partition, shapes, element_capacity, conditions.constrained_components(),
-                  capacities);
+    bridge.reinit(partition,
+                  {shapes, element_capacity, conditions.constrained_components(), capacities, {}});
     for (unsigned int p = 0; p < parts.size(); ++p)
       for (unsigned int i = 0; i < n_owned; ++i)
         if (const double mass = *masses[p].node(i); mass > 0.)

@@ -5,12 +5,6 @@
 
 namespace tombolo
 {
-  NodalVector &NodalSource::at_all_nodes()
-  {
-    is_anywhere = true;
-    return values;
-  }
-
   void NodalSource::set_partition(const std::shared_ptr<const NodePartition> &partition)
   {
     if (values.partition() == nullptr)

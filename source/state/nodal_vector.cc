@@ -69,13 +69,6 @@ namespace tombolo
     };
   } // namespace
 
-  void NodalVector::fit_to(const std::shared_ptr<const NodePartition> &partition,
-                           const Quantity quantity)
-  {
-    if (node_partition != partition)
-      reinit(partition, quantity);
-  }
-
   void NodalVector::reinit(const std::shared_ptr<const NodePartition> &partition,
                            const Quantity quantity)
   {
@@ -196,18 +189,6 @@ namespace tombolo
       std::fill_n(moved, slots, 0.);
     }
     add_to_owners();
-  }
-
-  void NodalVector::collect()
-  {
-    add_to_owners();
-    condense();
-  }
-
-  void NodalVector::sum_over_ranks()
-  {
-    add_to_owners();
-    update_ghosts();
   }
 
   void NodalVector::make_symmetric()

@@ -72,11 +72,6 @@ namespace tombolo
     return n_owned() + n_ghosts() + static_cast<unsigned int>(found - image_nodes.begin());
   }
 
-  unsigned int NodePartition::n_local() const
-  {
-    return n_owned() + n_ghosts() + n_images();
-  }
-
   template <int dim>
   std::shared_ptr<NodePartition> partition_of(const Nodes<dim> &nodes, IndexSet required,
                                               const std::vector<ImageNode> &images)

@@ -56,19 +56,10 @@ namespace tombolo
       split.set_smoothed_parts(are_smoothed);
     }
 
-    /**
-     * Builds the masses. Call it again whenever shape functions, the partition or constrained
-     * components change. @p element_mass is the nodal mass of elements (scalar, owned values);
-     * @p constrained has a bit per component for each owned node, or is empty. For heat, masses are
-     * capacities: @p element_mass is one, and @p weights are the factors c of the masses of the
-     * particle parts; empty, they are one. @p row_weights are further factors of single particles,
-     * by part and row; empty, they are one, and those of a part too. Collective.
-     */
+    /** Builds the masses. Call it again whenever shape functions, the partition or constrained
+     * components change. Collective. */
     void reinit(const std::shared_ptr<const NodePartition> &partition,
-                const std::vector<Stencils *> &particle_parts, const NodalVector &element_mass,
-                const std::vector<std::uint8_t> &constrained,
-                const std::vector<double> &weights = {},
-                const std::vector<std::vector<double>> &row_weights = {});
+                const MassSplit::Masses &masses);
 
     /** v = S v̂ (eqs 10-12, 48-50), with current ghosts; nothing where v is that since
      * move_with_smoothed_velocity(). */

@@ -58,9 +58,9 @@ namespace tombolo
   {
   public:
     /** @p split must outlive this. */
-    explicit ConstrainedParticles(const MassSplit &split);
+    explicit ConstrainedParticles(const MassSplit &split) : split(split) {}
 
-    /** Finds them; @p constrained as in Bridge::reinit(). Data of nodes that were constrained
+    /** Finds them; @p constrained as in MassSplit::Masses. Data of nodes that were constrained
      * before stay. Collective. */
     void reinit(const std::vector<std::uint8_t> &constrained);
 

@@ -38,7 +38,7 @@ namespace tombolo
   {
   public:
     /** @p split must outlive this; @p direct: positions move with the nodal velocities. */
-    LoadTransfer(const MassSplit &split, bool direct);
+    LoadTransfer(const MassSplit &split, const bool direct) : split(split), direct(direct) {}
 
     /** Whether loads of some particles act at the nodes, since their rows are lumped. */
     bool acts_at_nodes() const

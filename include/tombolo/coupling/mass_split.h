@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -48,13 +49,15 @@ namespace tombolo
       }
     };
 
-    /** The masses that are split; see Bridge::reinit(). */
+    /** The masses that are split; for heat, capacities. */
     struct Masses
     {
       const std::vector<Stencils *> &particle_parts;
-      const NodalVector &element_mass;
+      const NodalVector &element_mass; ///< of elements at nodes, scalar, owned values
+      /** A bit per component for each owned node, or empty. */
       const std::vector<std::uint8_t> &constrained;
-      const std::vector<double> &weights;
+      const std::vector<double> &weights; ///< factors of the masses of the parts; empty: one
+      /** Further factors of single particles, by part and row; empty, also those of a part: one. */
       const std::vector<std::vector<double>> &row_weights;
 
       /** m̂ of a row [M]. */
@@ -82,7 +85,10 @@ namespace tombolo
     bool update_nodal_mass();
 
     /** Whether rows lost negative values since the last call. */
-    bool extract_change_of_rows();
+    bool extract_change_of_rows()
+    {
+      return std::exchange(rows_have_changed, false);
+    }
 
     /** m̂ of the nodes, scalar [M]. */
     const NodalVector &unsmoothed_mass() const

@@ -27,7 +27,7 @@ namespace tombolo
   {
   public:
     /** @p bridge must outlive this. */
-    explicit PositionResponse(Bridge &bridge);
+    explicit PositionResponse(Bridge &bridge) : bridge(bridge) {}
 
     /** Whether predict() costs as much as moving all nodes. */
     bool is_global() const

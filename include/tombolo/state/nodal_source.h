@@ -45,7 +45,11 @@ namespace tombolo
 
     /** The values at local nodes for loops, zero at first: to be given at any of them, or only at
      * those that the loop adds to touched_nodes(), in any order. */
-    NodalVector &at_all_nodes();
+    NodalVector &at_all_nodes()
+    {
+      is_anywhere = true;
+      return values;
+    }
 
     NodalVector &at_touched_nodes()
     {

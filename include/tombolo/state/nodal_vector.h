@@ -60,7 +60,11 @@ namespace tombolo
                 Quantity quantity = Quantity::vector);
     /** The same, unless it is of this partition already: then it stays as it is. */
     void fit_to(const std::shared_ptr<const NodePartition> &partition,
-                Quantity quantity = Quantity::vector);
+                const Quantity quantity = Quantity::vector)
+    {
+      if (node_partition != partition)
+        reinit(partition, quantity);
+    }
     /** All zero, of the partition and quantity of the other one. */
     void reinit_like(const NodalVector &other)
     {
@@ -133,10 +137,18 @@ namespace tombolo
     void condense();
     /** What was accumulated at all local nodes to those that move: add_to_owners(), condense().
      * Collective. */
-    void collect();
+    void collect()
+    {
+      add_to_owners();
+      condense();
+    }
     /** Sets owners and ghosts to the sums of what was accumulated at all local nodes. Collective.
      */
-    void sum_over_ranks();
+    void sum_over_ranks()
+    {
+      add_to_owners();
+      update_ghosts();
+    }
     /** Makes the values of owned nodes on planes of symmetry symmetric, as update_ghosts() does
      * first. */
     void make_symmetric();

@@ -67,7 +67,11 @@ namespace tombolo
       return static_cast<unsigned int>(reflected_images.size());
     }
 
-    unsigned int n_local() const; ///< owned, ghosts and images
+    unsigned int n_local() const ///< owned, ghosts and images
+    {
+      return n_owned() + n_ghosts() + n_images();
+    }
+
     dealii::types::global_dof_index n_global() const
     {
       return scalar_partitioner->size();

@@ -72,10 +72,6 @@ namespace tombolo
             as_text("a number above 0 and up to ", upper, reason)};
   }
 
-  Entries::Entries(ParameterHandler &handler) : handler(&handler) {}
-
-  Entries::Entries(const Section &section) : read_section(section) {}
-
   Entries Entries::subsection(const std::string &name) const
   {
     if (!declares())

@@ -10,10 +10,6 @@
 
 namespace tombolo
 {
-  Section::Section(const Parameters &parameters, const std::string &path)
-      : parameters(&parameters), section_path(path)
-  {}
-
   std::string Section::get(const std::string &entry) const
   {
     const std::string path = joined_path(section_path, entry);
@@ -109,31 +105,11 @@ namespace tombolo
                });
   }
 
-  Section Section::subsection(const std::string &name) const
-  {
-    return Section(*parameters, joined_path(section_path, name));
-  }
-
-  Section Section::parent() const
-  {
-    return Section(*parameters, parent_path(section_path));
-  }
-
   std::string Section::name() const
   {
     const std::string last = section_path.substr(section_path.rfind('/') + 1);
     const std::size_t colon = last.find(':');
     return colon == std::string::npos ? last : Utilities::trim(last.substr(colon + 1));
-  }
-
-  std::string Section::describe(const std::string &entry) const
-  {
-    return parameters->describe(joined_path(section_path, entry));
-  }
-
-  void Section::fail(const std::string &entry, const std::string &message) const
-  {
-    parameters->fail(joined_path(section_path, entry), message);
   }
 
   std::vector<std::string> section_names(const Parameters &parameters, const std::string &list)

@@ -156,9 +156,10 @@ TEST(SmoothedMass, is_refused_at_the_start)
   Body body(plate_with_rows_of_their_own("paper"));
   make_light(body);
   Bridge bridge(body.part().particles->smoothing(), false);
-  EXPECT_THROW(bridge.reinit(body.model->state.partition(), {&body.part().particles->stencils()},
-                             body.model->element_mass, {}),
-               RunError);
+  EXPECT_THROW(
+      bridge.reinit(body.model->state.partition(),
+                    {{&body.part().particles->stencils()}, body.model->element_mass, {}, {}, {}}),
+      RunError);
 }
 
 TEST(SmoothedMass, rows_that_share_their_values_change_alone)

@@ -70,10 +70,10 @@ namespace tombolo
 
     /** To be declared, in the present subsection of @p handler, which must outlive this. Implicit,
      * as the next constructor: both represent the entries of a section. */
-    Entries(dealii::ParameterHandler &handler);
+    Entries(dealii::ParameterHandler &handler) : handler(&handler) {}
 
     /** To be read. */
-    Entries(const Section &section);
+    Entries(const Section &section) : read_section(section) {}
 
     bool declares() const
     {

@@ -193,7 +193,9 @@ namespace tombolo
   public:
     /** Of no parameters, until another one is assigned. */
     Section() = default;
-    Section(const Parameters &parameters, const std::string &path);
+    Section(const Parameters &parameters, const std::string &path)
+        : parameters(&parameters), section_path(path)
+    {}
 
     std::string get(const std::string &entry) const;
     double get_double(const std::string &entry) const;
@@ -213,9 +215,15 @@ namespace tombolo
     /** Whether all entries of both sections, and of those in them, are the same. */
     bool is_equal_to(const Section &other) const;
 
-    Section subsection(const std::string &name) const;
+    Section subsection(const std::string &name) const
+    {
+      return {*parameters, joined_path(section_path, name)};
+    }
     /** The section that this is a subsection of. */
-    Section parent() const;
+    Section parent() const
+    {
+      return {*parameters, parent_path(section_path)};
+    }
 
     const std::string &path() const
     {
@@ -231,10 +239,16 @@ namespace tombolo
     }
 
     /** The beginning of messages about an entry of this section; see Parameters::describe(). */
-    std::string describe(const std::string &entry) const;
+    std::string describe(const std::string &entry) const
+    {
+      return parameters->describe(joined_path(section_path, entry));
+    }
 
     /** Throws an InputError about this entry. */
-    [[noreturn]] void fail(const std::string &entry, const std::string &message) const;
+    [[noreturn]] void fail(const std::string &entry, const std::string &message) const
+    {
+      parameters->fail(joined_path(section_path, entry), message);
+    }
 
   private:
     const Parameters *parameters = nullptr;
