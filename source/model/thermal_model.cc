@@ -2,7 +2,6 @@
 #include <tombolo/model/thermal_model.h>
 
 #include <tombolo/approximation/nodal_smoothing.h>
-#include <tombolo/model/heat_transfer.h>
 #include <tombolo/model/step_limit.h>
 #include <tombolo/state/dependent_nodes.h>
 
@@ -99,7 +98,7 @@ namespace tombolo
   template <int dim>
   void ThermalModel<dim>::find_field(NodalVector &unsmoothed, NodalVector &field)
   {
-    smooth_scalars(bridge, conditions, unsmoothed, smoothed_temperature);
+    smooth(unsmoothed, smoothed_temperature);
     bridge.load_transfer().interpolate(smoothed_temperature, field);
     has_field = true;
     field_is_of_state = false;
@@ -136,9 +135,32 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalModel<dim>::add_transposed_smoothing(NodalVector &heat_of_nodes, NodalVector &rate)
+  void ThermalModel<dim>::smooth(NodalVector &field, NodalVector &smoothed)
   {
-    tombolo::add_transposed_smoothing(bridge, conditions, heat_of_nodes, adjoint, kept, rate);
+    field.distribute();
+    bridge.apply_smoothing(field, smoothed);
+    const std::vector<unsigned int> &constrained = conditions.constrained_nodes();
+    if (conditions.has_constraints())
+      smoothed.fill(constrained, [&](const std::size_t k, double *const value)
+                    { *value = *field.node(constrained[k]); });
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::add_transposed_smoothing(NodalVector &nodal_heat, NodalVector &result)
+  {
+    nodal_heat.condense();
+    const std::vector<unsigned int> &constrained = conditions.constrained_nodes();
+    kept.clear();
+    for (const unsigned int node : constrained)
+      kept.push_back(std::exchange(*nodal_heat.node(node), 0.));
+    const NodalVector &smoothed_capacity = bridge.nodal_mass();
+    nodal_heat.fill([&](const unsigned int i, double *const value)
+                    { *value /= *smoothed_capacity.node(i); });
+    bridge.apply_adjoint(nodal_heat, adjoint);
+    for (unsigned int i = 0; i < nodal_heat.partition()->n_owned(); ++i)
+      *result.node(i) += *bridge.mass().node(i) * *adjoint.node(i);
+    for (std::size_t k = 0; k < constrained.size(); ++k)
+      *result.node(constrained[k]) += kept[k];
   }
 
   template <int dim>

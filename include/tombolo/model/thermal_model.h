@@ -16,7 +16,6 @@
 
 namespace tombolo
 {
-
   /**
    * The heat of a model: state, conditions, and the operators of the heat equation on the one nodal
    * index space (doc/method.md, section 10). With S and Φ of a bridge whose weights are capacities,
@@ -67,6 +66,15 @@ namespace tombolo
 
     /** θ̂ and enthalpy of the materials' initial temperatures. */
     void set_initial_temperature();
+
+    /** S of a nodal @p field of scalars, with current ghosts; constrained nodes keep their values.
+     * Collective. */
+    void smooth(NodalVector &field, NodalVector &smoothed);
+
+    /** Its transpose: Sᵀ of @p nodal_heat (owned, slot 0), added to @p result (scalar): of a
+     * direction or of a rate. The heat of constrained nodes stays there. Destroys @p nodal_heat.
+     * Collective. */
+    void add_transposed_smoothing(NodalVector &nodal_heat, NodalVector &result);
 
     /** From θ̂ (owned values) to θ^h = Φ S θ̂, both with current ghosts. Keeps S θ̂ for heat_rate().
      * Collective. */
@@ -147,10 +155,6 @@ namespace tombolo
     bool can_lose_heat = false;     ///< lose_heat() can be called in the run
 
   private:
-    /** Sᵀ of @p heat at nodes (owned, slot 0), added to @p rate: of a direction or of a rate. The
-     * heat of constrained nodes stays there. Destroys @p heat. */
-    void add_transposed_smoothing(NodalVector &heat, NodalVector &rate);
-
     void add_conduction(const NodalVector &position, const NodalVector &field,
                         const NodalVector &smoothed, NodalVector &heat_of_nodes);
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/contact/surface_contact.h>
-#include <tombolo/model/heat_transfer.h>
 #include <tombolo/model/model.h>
 #include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/records.h>
@@ -187,7 +186,7 @@ namespace tombolo
         move(member.friction->heat, Quantity::scalar);
         move(member.friction->unit_heat, Quantity::scalar);
       }
-      for (NodalVector *const buffer : {&smoothed, &field, &loads, &heat, &adjoint})
+      for (NodalVector *const buffer : {&smoothed, &field, &loads, &heat})
         buffer->fit_to(partition, Quantity::scalars);
       unit_heat.fit_to(partition, Quantity::scalar);
     }
@@ -217,8 +216,7 @@ namespace tombolo
       add_up({&heat},
              [&] { thermal_model.bridge.load_transfer().add_force_of_loads(heated, loads, heat); });
       unit_heat.set_zero();
-      add_transposed_smoothing(thermal_model.bridge, thermal_model.conditions, heat, adjoint, kept,
-                               unit_heat);
+      thermal_model.add_transposed_smoothing(heat, unit_heat);
       member.friction->weight.fill([&](const unsigned int i, double *const weight)
                                    { *weight *= 1. - std::clamp(*unit_heat.node(i), 0., 1.); });
     }
@@ -226,7 +224,7 @@ namespace tombolo
     /** Σ_j G_ij m_j at nodes that can touch. Collective. */
     void find_coefficients(const Model<dim> &model, const Member &member, NodalVector &result)
     {
-      smooth_scalars(model.heat->bridge, model.heat->conditions, member.friction->weight, smoothed);
+      model.heat->smooth(member.friction->weight, smoothed);
       model.heat->bridge.load_transfer().interpolate(member.contact->candidate_nodes(), smoothed,
                                                      result);
     }
@@ -265,8 +263,7 @@ namespace tombolo
       add_up({&heat}, [&]
              { thermal_model.bridge.load_transfer().add_force_at_positions(heated, loads, heat); });
       unit_heat.set_zero();
-      add_transposed_smoothing(thermal_model.bridge, thermal_model.conditions, heat, adjoint, kept,
-                               unit_heat);
+      thermal_model.add_transposed_smoothing(heat, unit_heat);
       for (unsigned int i = 0; i < unit_heat.partition()->n_owned(); ++i)
       {
         const double now = *unit_heat.node(i);
@@ -279,8 +276,8 @@ namespace tombolo
     std::vector<Member> members;
     unsigned long revision_of_rows = 0; // of the coefficients
     // Buffers.
-    NodalVector smoothed, field, loads, heat, adjoint, unit_heat;
-    std::vector<double> kept, hottest, explicit_weights;
+    NodalVector smoothed, field, loads, heat, unit_heat;
+    std::vector<double> hottest, explicit_weights;
     std::vector<unsigned int> heated;
   };
 } // namespace tombolo
