@@ -100,10 +100,7 @@ namespace tombolo
       *mark.node(node) = 1.;
     mark.add_to_owners(); // what other ranks reach
     mark.update_ghosts();
-    touched.clear();
-    for (unsigned int i = 0; i < mark.partition()->n_local(); ++i)
-      if (*mark.node(i) != 0.)
-        touched.push_back(i);
+    touched = positive_nodes(mark, mark.partition()->n_local());
     touched_owned.assign(touched.begin(), std::lower_bound(touched.begin(), touched.end(),
                                                            mark.partition()->n_owned()));
     keep_nodes();

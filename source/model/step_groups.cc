@@ -10,15 +10,6 @@ namespace tombolo
 {
   namespace
   {
-    std::vector<unsigned int> marked_nodes(const NodalVector &mark, const unsigned int n)
-    {
-      std::vector<unsigned int> nodes;
-      for (unsigned int i = 0; i < n; ++i)
-        if (*mark.node(i) > 0.)
-          nodes.push_back(i);
-      return nodes;
-    }
-
     /** @p velocity := (@p now - @p before) / @p elapsed at these nodes. */
     void find_velocity(const NodalVector &now, const NodalVector &before, const double elapsed,
                        const std::vector<unsigned int> &nodes, NodalVector &velocity)
@@ -93,11 +84,11 @@ namespace tombolo
                     }
                   });
         mark.collect();
-        share.nodes = marked_nodes(mark, partition->n_owned());
+        share.nodes = positive_nodes(mark, partition->n_owned());
       }
-      group.local = marked_nodes(all, partition->n_local());
+      group.local = positive_nodes(all, partition->n_local());
       all.collect();
-      group.owned = marked_nodes(all, partition->n_owned());
+      group.owned = positive_nodes(all, partition->n_owned());
     }
   }
 

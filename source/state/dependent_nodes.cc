@@ -21,9 +21,8 @@ namespace tombolo
       for (const unsigned int node : owned)
         *marks.node(node) = 1.;
       marks.condense();
-      for (unsigned int i = 0; i < partition->n_owned(); ++i)
-        if (*marks.node(i) > 0.)
-          owned.push_back(i);
+      const std::vector<unsigned int> further = positive_nodes(marks, partition->n_owned());
+      owned.insert(owned.end(), further.begin(), further.end());
     }
     std::sort(owned.begin(), owned.end());
     owned.erase(std::unique(owned.begin(), owned.end()), owned.end());

@@ -247,6 +247,15 @@ namespace tombolo
     return ordered_sum(sum, node_partition->communicator());
   }
 
+  std::vector<unsigned int> positive_nodes(const NodalVector &scalar, const unsigned int n)
+  {
+    std::vector<unsigned int> nodes;
+    for (unsigned int i = 0; i < n; ++i)
+      if (*scalar.node(i) > 0.)
+        nodes.push_back(i);
+    return nodes;
+  }
+
   NodalVector difference(const NodalVector &a, const NodalVector &b)
   {
     const bool are_positions = a.quantity() == Quantity::position;

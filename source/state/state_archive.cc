@@ -97,16 +97,6 @@ namespace tombolo
     }
   }
 
-  void StateArchive::set_nodes(const std::vector<std::uint64_t> &ids)
-  {
-    nodes = std::make_unique<ArchiveRows>(static_cast<ArchiveFile &>(*this), path("node"), ids);
-  }
-
-  void StateArchive::set_nodes(const RowSources &sources)
-  {
-    nodes = std::make_unique<ArchiveRows>(static_cast<ArchiveFile &>(*this), path("node"), sources);
-  }
-
   void StateArchive::set_rows(const std::vector<std::uint64_t> &ids)
   {
     row_set = std::make_unique<ArchiveRows>(static_cast<ArchiveFile &>(*this), path("id"), ids);

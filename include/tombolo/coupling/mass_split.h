@@ -17,14 +17,7 @@ namespace tombolo
 {
   /**
    * The masses of the nodes, split by component into a part that is the node's own and parts that
-   * particles smooth, with the operator
-   *
-   * @verbatim
-   *   W = diag(own) + Σ_parts Φ_pᵀ diag(smoothed_p),   m = W 1   (eqs 11, 21, 48)
-   * @endverbatim
-   *
-   * The own part is the mass of elements, and all the mass in prescribed components, whose rows of
-   * Φ are unit rows. With the trace bridge the element mass of shared nodes is smoothed too.
+   * particles smooth, of which a Bridge makes its operators: m = W 1 (eqs 11, 21, 48).
    *
    * Where rows are lumped (Stencils::is_lumped) S still divides by W 1, but m is the lumped mass,
    * which the nodal forces accelerate, and m̂ = Sᵀ m: then a constant acceleration of all nodes is

@@ -250,6 +250,9 @@ namespace tombolo
   /** @p a - @p b at owned nodes, with current ghosts. Collective. */
   NodalVector difference(const NodalVector &a, const NodalVector &b);
 
+  /** Those of the first @p n local nodes of which a scalar is positive, ascending. */
+  std::vector<unsigned int> positive_nodes(const NodalVector &scalar, unsigned int n);
+
   /** Scalar, with current ghosts: positive at the nodes for which a rank calls mark(local number)
    * in @p visit(mark), else zero. Collective. */
   template <typename Visit>
@@ -267,11 +270,6 @@ namespace tombolo
   std::vector<unsigned int>
   owned_marked_nodes(const std::shared_ptr<const NodePartition> &partition, const Visit &visit)
   {
-    const NodalVector marks = marked_nodes(partition, visit);
-    std::vector<unsigned int> result;
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      if (*marks.node(i) > 0.)
-        result.push_back(i);
-    return result;
+    return positive_nodes(marked_nodes(partition, visit), partition->n_owned());
   }
 } // namespace tombolo

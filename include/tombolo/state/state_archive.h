@@ -31,8 +31,8 @@ namespace tombolo
    * never written. This rank's shares of sums over ranks come back to the same ranks bit by bit,
    * and to rank 0 on another number of ranks.
    *
-   * Every dataset carries a checksum that does not depend on its distribution. Reading another
-   * model throws an InputError that names the dataset, on all ranks. All functions are collective.
+   * Reading another model throws an InputError that names the dataset, on all ranks. All functions
+   * are collective.
    */
   class StateArchive : private ArchiveFile
   {
@@ -45,8 +45,6 @@ namespace tombolo
     using ArchiveFile::name;
     using ArchiveFile::verify;
 
-    /** Creates or opens a file. Throws RunError where it cannot be created and DamagedCheckpoint
-     * where it cannot be read. */
     StateArchive(const std::string &file, const Mode mode, const MPI_Comm communicator)
         : ArchiveFile(file, mode, communicator)
     {}
@@ -119,11 +117,14 @@ namespace tombolo
     /** This rank's shares of sums over all ranks. */
     void sums(const std::string &name, const std::vector<double *> &shares);
 
-    /** The identifiers of the owned nodes, before any nodal field. */
-    void set_nodes(const std::vector<std::uint64_t> &ids);
-
-    /** The same where nodes are made of those of the file. */
-    void set_nodes(const RowSources &sources);
+    /** The identifiers of the owned nodes, before any nodal field, or RowSources where nodes are
+     * made of those of the file. */
+    template <typename Rows>
+    void set_nodes(const Rows &rows_of_nodes)
+    {
+      nodes = std::make_unique<ArchiveRows>(static_cast<ArchiveFile &>(*this), path("node"),
+                                            rows_of_nodes);
+    }
 
     std::size_t n_owned_nodes() const
     {

@@ -85,11 +85,6 @@ namespace tombolo
     return found != nullptr && !found->is_section;
   }
 
-  bool Section::is_set(const std::string &entry) const
-  {
-    return parameters->setting(joined_path(section_path, entry)) != nullptr;
-  }
-
   bool Section::is_equal_to(const Section &other) const
   {
     const auto *const declared = parameters->declarations().find(section_path);

@@ -3,6 +3,7 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <boost/algorithm/string/join.hpp>
 #include <boost/algorithm/string/split.hpp>
 
 namespace tombolo
@@ -35,10 +36,7 @@ namespace tombolo
 
   std::string joined(const std::vector<std::string> &texts, const std::string &separator)
   {
-    std::string result;
-    for (const std::string &text : texts)
-      result += (result.empty() ? "" : separator) + text;
-    return result;
+    return boost::join(texts, separator);
   }
 
   std::string joined_path(const std::string &section, const std::string &name)

@@ -211,7 +211,10 @@ namespace tombolo
     /** Whether the section has such an entry: plug-ins differ in theirs. */
     bool is_declared(const std::string &entry) const;
     /** Whether the file or an override sets the entry. */
-    bool is_set(const std::string &entry) const;
+    bool is_set(const std::string &entry) const
+    {
+      return parameters->setting(joined_path(section_path, entry)) != nullptr;
+    }
     /** Whether all entries of both sections, and of those in them, are the same. */
     bool is_equal_to(const Section &other) const;
 

@@ -4,6 +4,7 @@
 #include <deal.II/base/parameter_handler.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/input/text.h>
 
 #include <boost/preprocessor/cat.hpp>
 
@@ -118,10 +119,7 @@ namespace tombolo
     /** The names separated by '|', for dealii::Patterns::Selection. */
     std::string selection() const
     {
-      std::string result;
-      for (const auto &entry : entries)
-        result += (result.empty() ? "" : "|") + entry.first;
-      return result;
+      return joined(names(), "|");
     }
 
     /** Declares each plug-in's parameters in a subsection of the plug-in's name. */
