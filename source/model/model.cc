@@ -213,20 +213,17 @@ namespace tombolo
   template <int dim>
   void Model<dim>::renew_masses()
   {
-    set_element_mass();
     if (heat)
       heat->set_partition(partition);
-    if (has_mechanics)
-      set_inertia();
-    notify_processes();
-    match_rows();
+    renew_inertia();
   }
 
   template <int dim>
   void Model<dim>::renew_inertia()
   {
     set_element_mass();
-    set_inertia();
+    if (has_mechanics)
+      set_inertia();
     notify_processes();
     match_rows();
   }

@@ -40,7 +40,7 @@ namespace tombolo
   template <int dim>
   void Process<dim>::constrain(Model<dim> &model, const Clock &clock)
   {
-    actions.begin_late();
+    actions.begin(true);
     constrain_acceleration(model, clock, model.state);
     actions.collect_late(*model.bridge, model.conditions->constrained_components(),
                          model.conditions->oblique_nodes(), model.state);

@@ -19,19 +19,10 @@ namespace tombolo
     for (const StepLimit &limit : limits)
       if (limit.time_step < smallest.time_step)
         smallest = limit;
-    struct
-    {
-      double time_step;
-      int rank;
-    } own = {smallest.time_step, static_cast<int>(Utilities::MPI::this_mpi_process(communicator))},
-      least;
-    MPI_Allreduce(&own, &least, 1, MPI_DOUBLE_INT, MPI_MINLOC, communicator);
-    smallest.time_step = least.time_step;
-    auto length = static_cast<int>(smallest.entity.size());
-    MPI_Bcast(&length, 1, MPI_INT, least.rank, communicator);
-    smallest.entity.resize(static_cast<std::size_t>(length));
-    MPI_Bcast(smallest.entity.data(), length, MPI_CHAR, least.rank, communicator);
-    MPI_Bcast(smallest.position.begin_raw(), 3, MPI_DOUBLE, least.rank, communicator);
+    const auto least = Utilities::MPI::min_max_avg(smallest.time_step, communicator);
+    smallest.time_step = least.min;
+    smallest.entity = Utilities::MPI::broadcast(communicator, smallest.entity, least.min_index);
+    Utilities::MPI::broadcast(smallest.position.begin_raw(), 3, least.min_index, communicator);
     return smallest;
   }
 } // namespace tombolo

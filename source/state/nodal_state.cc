@@ -5,9 +5,6 @@ namespace tombolo
 {
   std::vector<std::pair<FieldDescription, NodalVector *>> NodalState::fields()
   {
-    if (!moves)
-      return {{{"initial position", "L", FieldLocation::node, 3, true}, &initial_position},
-              {{"position", "L", FieldLocation::node, 3, true}, &position}};
     std::vector<std::pair<FieldDescription, NodalVector *>> result{
         {{"initial position", "L", FieldLocation::node, 3, true}, &initial_position},
         {{"position", "L", FieldLocation::node, 3, true}, &position},
@@ -16,7 +13,9 @@ namespace tombolo
         {{"force", "M L/T^2", FieldLocation::node, 3, false}, &force},
         {{"acceleration", "L/T^2", FieldLocation::node, 3, false}, &acceleration},
         {{"mass", "M", FieldLocation::node, 1, false}, &mass}};
-    if (has_unsmoothed_position)
+    if (!moves)
+      result.resize(2);
+    else if (has_unsmoothed_position)
       result.push_back(
           {{"unsmoothed position", "L", FieldLocation::node, 3, true}, &unsmoothed_position});
     return result;

@@ -45,14 +45,6 @@ namespace tombolo
       return {phases.begin(), phases.end()};
     }
 
-    double total() const
-    {
-      double sum = 0;
-      for (const auto &phase : phases)
-        sum += phase.second;
-      return sum;
-    }
-
   private:
     std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
     std::vector<std::pair<const char *, double>> phases;

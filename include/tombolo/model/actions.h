@@ -209,11 +209,12 @@ namespace tombolo
       for_all([&](NodalSource &source) { source.set_partition(partition); });
     }
 
-    /** Clears the forces of the step before; then the process sets the present ones. */
-    void begin()
+    /** Clears the forces of the step before, or @p late those of actions that follow the
+     * acceleration; then the process sets the present ones. */
+    void begin(const bool late = false)
     {
       for (Action &action : all)
-        if (!action.is_late)
+        if (action.is_late == late)
           action.begin();
     }
 
@@ -227,13 +228,6 @@ namespace tombolo
 
     /** The same of actions that follow the acceleration, which they change as well, except for the
      * components that @p constrained has as bits, and the axes of frames that are prescribed. */
-    void begin_late()
-    {
-      for (Action &action : all)
-        if (action.is_late)
-          action.begin();
-    }
-
     void collect_late(Bridge &bridge, const std::vector<std::uint8_t> &constrained,
                       const ObliqueNodes &oblique, NodalState &state);
 
