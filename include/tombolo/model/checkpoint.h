@@ -170,36 +170,30 @@ namespace tombolo
                                   const MPI_Comm communicator)
     {
       const std::string wanted = section.get(entry);
-      const std::string file = from_first_rank(
-          communicator,
-          [&]
-          {
-            std::error_code code;
-            if (!std::filesystem::is_directory(wanted, code))
-              return wanted;
-            const std::string end = (std::filesystem::path(wanted) / end_file).string();
-            const auto files = files_in(wanted);
-            return files.empty() || std::filesystem::exists(end, code) ? end
-                                                                       : files.rbegin()->second;
-          });
-      const std::string problem = from_first_rank(
-          communicator,
-          [&]() -> std::string
-          {
-            std::error_code code;
-            if (std::filesystem::exists(file, code))
-              return "";
-            return std::filesystem::is_directory(wanted, code)
-                       ? "there is no checkpoint in this directory. A run leaves the state at its "
-                         "end there where its section \"Checkpoint\" sets `End state = true`."
-                       : "there is no such file or directory. A run leaves the state at its end in "
-                         "`checkpoint` of its output directory where its section \"Checkpoint\" "
-                         "sets `End state = true`.";
-          });
-      if (!problem.empty())
-        section.fail(entry, problem);
-      StateArchive::verify(file, communicator);
-      return file;
+      const auto find_file = [&]
+      {
+        std::error_code code;
+        const bool is_directory = std::filesystem::is_directory(wanted, code);
+        std::string file =
+            is_directory ? (std::filesystem::path(wanted) / end_file).string() : wanted;
+        if (const auto files = files_in(wanted);
+            !files.empty() && !std::filesystem::exists(file, code))
+          file = files.rbegin()->second;
+        const std::string problem =
+            std::filesystem::exists(file, code) ? ""
+            : is_directory
+                ? "there is no checkpoint in this directory. A run leaves the state at its "
+                  "end there where its section \"Checkpoint\" sets `End state = true`."
+                : "there is no such file or directory. A run leaves the state at its end in "
+                  "`checkpoint` of its output directory where its section \"Checkpoint\" "
+                  "sets `End state = true`.";
+        return std::vector<std::string>{file, problem};
+      };
+      const std::vector<std::string> found = from_first_rank(communicator, find_file);
+      if (!found[1].empty())
+        section.fail(entry, found[1]);
+      StateArchive::verify(found[0], communicator);
+      return found[0];
     }
 
     /** Removes the checkpoints of steps after @p step and what is left of an unfinished one, when a

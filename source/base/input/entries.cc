@@ -13,6 +13,16 @@ namespace tombolo
       section.fail(entry, "allowed is " + words);
   }
 
+  namespace
+  {
+    /** A range that is compared, and not in the pattern. */
+    Range compared(const double lower, const double upper, const std::string &words,
+                   const bool is_positive = false)
+    {
+      return {-Range::infinite, Range::infinite, lower, upper, is_positive, words};
+    }
+  } // namespace
+
   Range any_number()
   {
     return {};
@@ -40,36 +50,23 @@ namespace tombolo
 
   Range zero_or_positive()
   {
-    return {-Range::infinite, Range::infinite, 0.,
-            Range::infinite,  false,           "zero or a positive number."};
+    return compared(0., Range::infinite, "zero or a positive number.");
   }
 
   Range from_to(const double lower, const double upper)
   {
-    return {-Range::infinite,
-            Range::infinite,
-            lower,
-            upper,
-            false,
-            as_text("a number from ", lower, " to ", upper, ".")};
+    return compared(lower, upper, as_text("a number from ", lower, " to ", upper, "."));
   }
 
   Range above_zero_up_to(const double upper)
   {
-    Range result = positive_up_to(upper);
-    result.is_positive = false;
-    result.lower = std::numeric_limits<double>::denorm_min();
-    return result;
+    return compared(std::numeric_limits<double>::denorm_min(), upper,
+                    as_text("a number above 0 and up to ", upper, "."));
   }
 
   Range positive_up_to(const double upper, const std::string &reason)
   {
-    return {-Range::infinite,
-            Range::infinite,
-            0.,
-            upper,
-            true,
-            as_text("a number above 0 and up to ", upper, reason)};
+    return compared(0., upper, as_text("a number above 0 and up to ", upper, reason), true);
   }
 
   Entries Entries::subsection(const std::string &name) const

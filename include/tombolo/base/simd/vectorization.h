@@ -3,6 +3,7 @@
 
 #include <tombolo/base/simd/unroll.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <experimental/simd>
