@@ -7,7 +7,7 @@
 #include <tombolo/materials/nodal_enthalpy.h>
 #include <tombolo/model/assembly.h>
 #include <tombolo/model/part.h>
-#include <tombolo/state/thermal_state.h>
+#include <tombolo/state/nodal_state.h>
 
 #include <deal.II/base/index_set.h>
 

@@ -14,7 +14,6 @@
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/state/nodal_state.h>
 #include <tombolo/state/records.h>
-#include <tombolo/state/thermal_state.h>
 
 #include <array>
 #include <cstdint>
