@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/format.h>
+#include <tombolo/base/json.h>
 
 #include <boost/algorithm/string/replace.hpp>
 #include <boost/core/demangle.hpp>
+
+#include <nlohmann/json.hpp>
 
 #include <cctype>
 #include <charconv>
@@ -44,5 +47,10 @@ namespace tombolo
     if (text.find_first_of(",\"\r\n") == std::string::npos)
       return text;
     return "\"" + boost::replace_all_copy(text, "\"", "\"\"") + "\"";
+  }
+
+  std::string json_text(const Json &document)
+  {
+    return document.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
   }
 } // namespace tombolo

@@ -5,7 +5,6 @@
 #include <tombolo/base/energy_accounts.h>
 #include <tombolo/base/input/registry.h>
 #include <tombolo/base/json.h>
-#include <tombolo/base/signal.h>
 #include <tombolo/model/actions.h>
 #include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/records.h>
@@ -21,6 +20,31 @@
 
 namespace tombolo
 {
+  /** Functions that are called together, in the order in which they were connected. */
+  template <typename... Arguments>
+  class Signal
+  {
+  public:
+    void connect(std::function<void(Arguments...)> slot)
+    {
+      slots.push_back(std::move(slot));
+    }
+
+    bool is_connected() const
+    {
+      return !slots.empty();
+    }
+
+    void operator()(Arguments... arguments) const
+    {
+      for (const auto &slot : slots)
+        slot(arguments...);
+    }
+
+  private:
+    std::vector<std::function<void(Arguments...)>> slots;
+  };
+
   /** What has changed in a model before the forces of a step are evaluated; the same on all ranks.
    */
   struct ModelChange

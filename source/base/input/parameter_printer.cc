@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/input/parameter_printer.h>
+#include <tombolo/base/input/parameter_declaration.h>
 
 #include <tombolo/base/input/registry.h>
 #include <tombolo/base/json.h>

@@ -2,7 +2,6 @@
 #include <tombolo/base/input/parameters.h>
 
 #include <tombolo/base/input/name_hints.h>
-#include <tombolo/base/input/parameter_printer.h>
 #include <tombolo/base/input/registry.h>
 
 #include <deal.II/base/utilities.h>

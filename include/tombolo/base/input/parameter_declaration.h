@@ -3,6 +3,8 @@
 
 #include <deal.II/base/parameter_handler.h>
 
+#include <functional>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -53,4 +55,33 @@ namespace tombolo
 
   /** Begins the documentation of mandatory entries, and distinguishes them. */
   constexpr const char *mandatory_mark = "Mandatory. ";
+
+  /**
+   * Writes all declarations below @p root as a page in GitHub-flavoured markdown: one heading for
+   * each section, with its path, and one table row for each entry, with its default, what is
+   * allowed, and its documentation. A section that belongs to a plug-in begins with the
+   * description under which the plug-in was registered. Values that a file sets are not shown:
+   * the page depends on the declarations only.
+   */
+  void print_parameter_page(std::ostream &out, const ParameterDeclaration &root);
+
+  /** Entries with their values as they are declared, for files that can be read again. */
+  struct PrintedEntries
+  {
+    bool are_all; ///< or only those in use
+    // Of an entry by its path.
+    std::function<bool(const std::string &path)> is_in_use;
+    std::function<std::string(const std::string &path)> value;
+
+    bool has(const ParameterDeclaration &declaration) const;
+  };
+
+  /** Prints @p section as a deal.II parameter file, with the lines of those that it is in. @p
+   * with_documentation all entries are printed, those that are not in use as comments. */
+  void print_prm(std::ostream &out, const PrintedEntries &entries,
+                 const ParameterDeclaration &section, bool with_documentation);
+
+  /** Prints what is in @p section as JSON. */
+  void print_json(std::ostream &out, const PrintedEntries &entries,
+                  const ParameterDeclaration &section);
 } // namespace tombolo

@@ -8,6 +8,7 @@
 
 #include <boost/preprocessor/cat.hpp>
 
+#include <experimental/type_traits>
 #include <functional>
 #include <map>
 #include <memory>
@@ -145,20 +146,14 @@ namespace tombolo
 
   namespace internal
   {
-    template <typename Plugin, typename = void>
-    struct DeclaresItself : std::false_type
-    {};
-
     template <typename Plugin>
-    struct DeclaresItself<Plugin, std::void_t<decltype(Plugin::declare_parameters(
-                                      std::declval<dealii::ParameterHandler &>()))>>
-        : std::true_type
-    {};
+    using OwnDeclaration =
+        decltype(Plugin::declare_parameters(std::declval<dealii::ParameterHandler &>()));
 
     template <typename Plugin>
     void declare(dealii::ParameterHandler &handler)
     {
-      if constexpr (DeclaresItself<Plugin>::value)
+      if constexpr (std::experimental::is_detected_v<OwnDeclaration, Plugin>)
         Plugin::declare_parameters(handler);
       else if constexpr (std::is_constructible<Plugin, dealii::ParameterHandler &>::value)
         Plugin discarded(handler); // whose constructor from Entries declares them
