@@ -127,13 +127,7 @@ namespace tombolo
       return loads;
     }
 
-    /** Particles with prescribed components, as smooth_velocity() left them. */
-    const std::vector<ConstrainedParticle> &constrained_particle_velocities() const
-    {
-      return constrained_particles.particles();
-    }
-
-    /** The operator that keeps their components. */
+    /** The operator that keeps prescribed components of particles. */
     ConstrainedParticles &get_constrained_particles()
     {
       return constrained_particles;

@@ -107,12 +107,8 @@ namespace tombolo
       return std::exchange(reaction, {});
     }
 
-    const std::vector<ConstrainedParticle> &particles() const
-    {
-      return rank_particles;
-    }
-
-    /** The same, to read them from a checkpoint. */
+    /** With the velocities that Bridge::smooth_velocity() left; to be changed only where they are
+     * read from a checkpoint. */
     std::vector<ConstrainedParticle> &particles()
     {
       return rank_particles;

@@ -104,7 +104,8 @@ namespace tombolo
     model.bridge->apply_adjoint(model.state.acceleration, increment);
     // Reactions at prescribed components are booked with the motion that follows; at t_0 there was
     // one before.
-    for (const ConstrainedParticle &particle : model.bridge->constrained_particle_velocities())
+    for (const ConstrainedParticle &particle :
+         model.bridge->get_constrained_particles().particles())
       for (unsigned int d = 0; clock.has_present_velocities() && d < 3; ++d)
         if ((particle.components >> d) & 1u)
           increment.node(particle.node)[d] = model.state.acceleration.node(particle.node)[d];

@@ -69,7 +69,7 @@ namespace tombolo
     {
       const auto &nodes = model.conditions->constrained_nodes();
       const auto &constrained = model.conditions->constrained_components();
-      const auto &particles = model.bridge->constrained_particle_velocities();
+      const auto &particles = model.bridge->get_constrained_particles().particles();
       auto smoothed = particles.begin();
       for (std::size_t k = 0; k < nodes.size(); ++k)
       {
@@ -105,7 +105,8 @@ namespace tombolo
     {
       const std::vector<unsigned int> &nodes = model.conditions->constrained_nodes();
       auto k = nodes.begin();
-      for (const ConstrainedParticle &particle : model.bridge->constrained_particle_velocities())
+      for (const ConstrainedParticle &particle :
+           model.bridge->get_constrained_particles().particles())
       {
         k = std::lower_bound(k, nodes.end(), particle.node);
         for (unsigned int d = 0; d < 3; ++d)
