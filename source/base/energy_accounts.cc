@@ -5,8 +5,6 @@
 
 #include <deal.II/base/exceptions.h>
 
-#include <algorithm>
-
 namespace tombolo
 {
   namespace
@@ -99,12 +97,6 @@ namespace tombolo
         if (entry.name == name)
           value += entry.value;
     return value;
-  }
-
-  bool EnergyAccounts::has(const std::string &name) const
-  {
-    return std::any_of(entries.begin(), entries.end(),
-                       [&](const Account &entry) { return entry.name == name; });
   }
 
   double EnergyAccounts::sum_of(const EnergyKind kind) const

@@ -64,8 +64,6 @@ namespace tombolo
     /** Zero where there is no such account. */
     double operator[](const std::string &name) const;
 
-    bool has(const std::string &name) const;
-
     /** The sum of all accounts of this kind, in the order in which they were added. */
     double sum_of(EnergyKind kind) const;
 

@@ -366,9 +366,8 @@ namespace tombolo
   inline void refuse_entries(const Parameters &parameters, const std::string &earlier,
                              const MPI_Comm communicator,
                              const std::function<bool(const std::string &)> &counts,
-                             const std::string &had,
-                             const std::function<std::string(const std::string &)> &is_missing,
-                             const std::string &advice)
+                             const std::string &had, const std::string &before_missing,
+                             const std::string &after_missing, const std::string &advice)
   {
     const auto before = entries_of(earlier, communicator);
     const auto now = entries_of(text_of_entries(parameters), communicator);
@@ -381,8 +380,8 @@ namespace tombolo
                       advice);
     for (const auto &[path, value] : before)
       if (counts(path) && now.count(path) == 0)
-        throw InputError(parameters.file_name() + ": " +
-                         is_missing(in_quotes(path) + " = " + in_quotes(value)) + advice);
+        throw InputError(parameters.file_name() + ": " + before_missing + in_quotes(path) + " = " +
+                         in_quotes(value) + after_missing + advice);
   }
 
   /** Throws an InputError that names the first entry with another value than in @p earlier
@@ -393,12 +392,8 @@ namespace tombolo
   {
     refuse_entries(
         parameters, earlier, communicator, [](const auto &path) { return !may_change(path); },
-        "the checkpoint " + file + " was written with ",
-        [&](const std::string &entry)
-        {
-          return "the entry " + entry + " of the run that wrote the checkpoint " + file +
-                 " is missing or not in use here.";
-        },
+        "the checkpoint " + file + " was written with ", "the entry ",
+        " of the run that wrote the checkpoint " + file + " is missing or not in use here.",
         " A resumed run may change `End time`, the output, the checkpoints and the "
         "safety factor of the time step, nothing of the model: set it back, or start "
         "anew without --resume.");
@@ -409,15 +404,11 @@ namespace tombolo
   inline void refuse_other_parts(const Parameters &parameters, const std::string &earlier,
                                  const std::string &file, MPI_Comm communicator)
   {
-    refuse_entries(
-        parameters, earlier, communicator, &describes_parts,
-        "the run that wrote the state " + file + " had ",
-        [&](const std::string &entry)
-        {
-          return "the run that wrote the state " + file + " had the entry " + entry +
-                 ", which is missing here.";
-        },
-        " A run starts from the state of another on the same mesh with the same parts; "
-        "materials, conditions, contacts and time integration may be other ones.");
+    refuse_entries(parameters, earlier, communicator, &describes_parts,
+                   "the run that wrote the state " + file + " had ",
+                   "the run that wrote the state " + file + " had the entry ",
+                   ", which is missing here.",
+                   " A run starts from the state of another on the same mesh with the same parts; "
+                   "materials, conditions, contacts and time integration may be other ones.");
   }
 } // namespace tombolo
