@@ -23,19 +23,14 @@ namespace tombolo
     /** Counts what was added in the last step. */
     void begin_step()
     {
-      for (unsigned int d = 0; d < 3; ++d)
-      {
-        linear[d] += pending_linear[d];
-        angular[d] += pending_angular[d];
-      }
+      add_now(pending_linear, pending_angular);
       pending_linear = pending_angular = {};
     }
 
     /** Adds the impulse of a force at @p position in the present step. */
     void add(const double *position, const Vector &impulse)
     {
-      for (unsigned int d = 0; d < 3; ++d)
-        pending_linear[d] += impulse[d];
+      add_to(pending_linear, impulse);
       add_moment(position, impulse.data(), pending_angular);
     }
 
@@ -43,21 +38,15 @@ namespace tombolo
      * moment. */
     void add(const Vector &impulse, const Vector &moment, const double interval = 1.)
     {
-      for (unsigned int d = 0; d < 3; ++d)
-      {
-        pending_linear[d] += interval * impulse[d];
-        pending_angular[d] += interval * moment[d];
-      }
+      add_to(pending_linear, impulse, interval);
+      add_to(pending_angular, moment, interval);
     }
 
     /** Adds what counts at once. */
     void add_now(const Vector &impulse, const Vector &moment)
     {
-      for (unsigned int d = 0; d < 3; ++d)
-      {
-        linear[d] += impulse[d];
-        angular[d] += moment[d];
-      }
+      add_to(linear, impulse);
+      add_to(angular, moment);
     }
 
     void account(EnergyAccounts &accounts) const
@@ -78,6 +67,12 @@ namespace tombolo
     }
 
   private:
+    static void add_to(Vector &sum, const Vector &vector, const double factor = 1.)
+    {
+      for (unsigned int d = 0; d < 3; ++d)
+        sum[d] += factor * vector[d];
+    }
+
     Vector linear{}, angular{}, pending_linear{}, pending_angular{};
   };
 } // namespace tombolo
