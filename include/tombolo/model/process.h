@@ -297,12 +297,27 @@ namespace tombolo
     }
   };
 
-  /** The kind of processes of a class that has no entries of its own. Made<dim> has a static
-   * function make(), which does what create_one() describes. */
+  /** The kind of processes of one class. Made<dim> has a static function make(), which does what
+   * ProcessKind::create_one() describes, and may have others of the names below. */
   template <int dim, template <int> class Made>
   class PlainKind : public ProcessKind<dim>
   {
   public:
+    void declare_parameters(Parameters &parameters) const override
+    {
+      Made<dim>::declare_parameters(parameters);
+    }
+
+    void validate(const Parameters &parameters, const std::vector<Part<dim>> &parts) const override
+    {
+      Made<dim>::validate(parameters, parts);
+    }
+
+    void prepare(const Parameters &parameters, std::vector<Part<dim>> &parts) const override
+    {
+      Made<dim>::prepare(parameters, parts);
+    }
+
     std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
                                              Model<dim> &model) const override
     {

@@ -3,7 +3,7 @@
 #include <tombolo/boundary/limited_function.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/moving_parts.h>
-#include <tombolo/model/plain_kind.h>
+#include <tombolo/model/process.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/physics/mechanics/rigid_bodies.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>

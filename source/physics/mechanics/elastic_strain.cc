@@ -2,7 +2,7 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/on_ranks.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/plain_kind.h>
+#include <tombolo/model/process.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/symmetric_tensor.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/fragment_contact.h>
 
-#include <tombolo/model/plain_kind.h>
+#include <tombolo/model/process.h>
 #include <tombolo/physics/statics/rest_entries.h>
 
 namespace tombolo

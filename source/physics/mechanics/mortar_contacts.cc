@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/mortar_contact.h>
-#include <tombolo/model/plain_kind.h>
+#include <tombolo/model/process.h>
 
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/parameters.h>

@@ -4,7 +4,7 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/particles/pair_interactions.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/plain_kind.h>
+#include <tombolo/model/process.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/physics/statics/rest_entries.h>
 

@@ -2,7 +2,7 @@
 #include <tombolo/physics/mechanics/rigid_bodies.h>
 
 #include <tombolo/contact/surface_contact.h>
-#include <tombolo/model/plain_kind.h>
+#include <tombolo/model/process.h>
 #include <tombolo/output/history.h>
 
 namespace tombolo

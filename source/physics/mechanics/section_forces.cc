@@ -10,7 +10,7 @@
 #include <tombolo/model/impulse_account.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
-#include <tombolo/model/plain_kind.h>
+#include <tombolo/model/process.h>
 #include <tombolo/output/history.h>
 #include <tombolo/physics/mechanics/named_parts.h>
 #include <tombolo/state/nodal_vector.h>

@@ -4,7 +4,7 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/model/moving_parts.h>
-#include <tombolo/model/plain_kind.h>
+#include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <deal.II/base/mpi.h>

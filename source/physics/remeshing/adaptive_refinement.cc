@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/adaptive_refinement.h>
 
-#include <tombolo/model/plain_kind.h>
+#include <tombolo/model/process.h>
 
 namespace tombolo
 {
