@@ -355,6 +355,23 @@ class Owner(command_line.Case):
         self.run_program("--quiet", "--resume", "chain.prm")
         self.run_program("--quiet", "chain.prm")
 
+    def test_stages_of_a_scene_that_is_included(self):
+        """Sections that a stage does not list are none of it, and stages can be changed, also from another file."""
+        with open(self.path("base.prm"), "w") as file:
+            file.write(run_cases.parameter_text({"file": "bar.prm"}).replace("@OUTPUT@", "output"))
+        with open(self.path("chain.prm"), "w") as file:
+            file.write("include base.prm\nset Stages = one, two\nsubsection Stage: one\nend\nsubsection Stage: two\n"
+                       "  set Conditions = hold\n  set End time = 0.3\n  subsection Output\n    set Times = 0.1\n  end\nend\n")
+        with open(self.path("changed.prm"), "w") as file:
+            file.write("include chain.prm\nset Output directory = changed\nsubsection Stage: two\n  set End time = 0.2\nend\n")
+        for name, directory, end in (("chain.prm", "output", 0.3), ("changed.prm", "changed", 0.2)):
+            self.run_program("--quiet", name)
+            for stage, forces, time in (("one", True, 1), ("two", False, end)):
+                rows = self.read(directory, stage, "conditions.csv").splitlines()
+                self.assertEqual("pull work" in rows[0], forces, stage)
+                self.assertEqual(float(rows[-1].split(",")[0]), time)
+                self.assertEqual(json.loads(self.read(directory, stage, "summary.json"))["ended"], "finished")
+
     def test_the_same_file_may_change_and_be_run_again(self):
         self.run_program("--quiet", "rod.prm")
         self.write_rod("rod.prm", "output", ["set Title            = Small rod", "set Title = Changed"])

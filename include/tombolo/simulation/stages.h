@@ -16,7 +16,6 @@
 #include <fstream>
 #include <memory>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -64,10 +63,6 @@ namespace tombolo
             item.path.find('/') != std::string::npos)
           continue;
         const std::string name = item.path.substr(stage_prefix.size());
-        if (item.location.file != file)
-          refuse(item.location, "section " + in_quotes(item.path) +
-                                    ": sections of stages stand in the file that has \"Stages\", " +
-                                    file + ", not in one that it includes.");
         if (found_names.count(name) == 0)
         {
           refuse(item.location,
@@ -76,12 +71,6 @@ namespace tombolo
                      "." + did_you_mean(name, stage_names));
         }
       }
-      read_lines(from_first_rank(communicator,
-                                 [&]
-                                 {
-                                   std::ifstream in(file, std::ios::binary);
-                                   return as_text(in.rdbuf());
-                                 }));
     }
 
     const std::vector<std::string> &names() const
@@ -96,8 +85,8 @@ namespace tombolo
     {
       const std::string &name = stage_names[stage];
       auto result = std::make_unique<Parameters>(communicator);
-      result->read_text(common_text(name), file_name);
-      result->read_text(own_text(name), file_name);
+      result->read_file(file_name);
+      result->replace_items(items(name));
       std::set<std::string> overridden;
       for (const std::string &assignment : overrides)
       {
@@ -158,17 +147,6 @@ namespace tombolo
       return result;
     }
 
-    /** What follows a word at the beginning of a line; nothing where it is not there. */
-    static bool begins_with_word(const std::string &line, const std::string &word,
-                                 std::string &rest)
-    {
-      if (line.rfind(word, 0) != 0 ||
-          (line.size() > word.size() && line[word.size()] != ' ' && line[word.size()] != '\t'))
-        return false;
-      rest = Utilities::trim(line.substr(word.size()));
-      return true;
-    }
-
     static std::string path_of(const std::string &assignment)
     {
       std::string path;
@@ -176,41 +154,6 @@ namespace tombolo
                assignment.substr(0, assignment.find('=')), std::string("/")))
         path = joined_path(path, Utilities::trim(part));
       return path;
-    }
-
-    struct Line
-    {
-      std::string text;
-      std::string section;   ///< the top one that it is in; empty: none
-      bool is_frame = false; ///< it opens or closes that section
-    };
-
-    void read_lines(const std::string &text)
-    {
-      std::istringstream in(text);
-      unsigned int depth = 0;
-      std::string section, rest;
-      for (std::string line; std::getline(in, line);)
-      {
-        const std::string trimmed = Utilities::trim(line.substr(0, line.find('#')));
-        Line entry{line, section, false};
-        if (begins_with_word(trimmed, "subsection", rest))
-        {
-          if (depth == 0)
-            section = rest;
-          entry.section = section;
-          entry.is_frame = depth == 0;
-          ++depth;
-        }
-        else if (trimmed == "end" && depth > 0)
-        {
-          --depth;
-          entry.is_frame = depth == 0;
-          if (depth == 0)
-            section.clear();
-        }
-        lines.push_back(entry);
-      }
     }
 
     /** The value of an entry outside of all sections, of a stage or of the file. */
@@ -238,25 +181,21 @@ namespace tombolo
       return !lists_it(stage) && std::any_of(stage_names.begin(), stage_names.end(), lists_it);
     }
 
-    /** The lines of the file for a stage, those of others empty, so that they keep their numbers.
-     */
-    std::string common_text(const std::string &stage) const
+    /** Sections and entries of a stage: those of all stages, and after them its own. */
+    std::vector<ParameterScanner::Item> items(const std::string &stage) const
     {
-      std::string result;
-      for (const Line &line : lines)
-      {
-        const bool is_left_out = line.section.rfind(stage_prefix, 0) == 0 ||
-                                 (!line.section.empty() && is_in_other_stages(stage, line.section));
-        result += (is_left_out ? "" : line.text) + "\n";
-      }
-      return result;
-    }
-
-    std::string own_text(const std::string &stage) const
-    {
-      std::string result;
-      for (const Line &line : lines)
-        result += (line.section == stage_prefix + stage && !line.is_frame ? line.text : "") + "\n";
+      std::vector<ParameterScanner::Item> result, own;
+      const std::string own_prefix = stage_prefix + stage + "/";
+      for (ParameterScanner::Item item : scanner.items())
+        if (item.path.rfind(own_prefix, 0) == 0)
+        {
+          item.path = item.path.substr(own_prefix.size());
+          own.push_back(item);
+        }
+        else if (item.path.rfind(stage_prefix, 0) != 0 &&
+                 !is_in_other_stages(stage, item.path.substr(0, item.path.find('/'))))
+          result.push_back(item);
+      result.insert(result.end(), own.begin(), own.end());
       return result;
     }
 
@@ -265,7 +204,6 @@ namespace tombolo
     Mistakes mistakes; // collects none: each is thrown
     ParameterScanner scanner;
     std::vector<std::string> stage_names;
-    std::vector<Line> lines;
   };
 
   /** Whether this directory has checkpoints to resume from. Collective. */

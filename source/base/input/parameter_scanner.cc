@@ -144,6 +144,18 @@ namespace tombolo
     scan(text, name, "text of " + name, sections);
   }
 
+  void ParameterScanner::replace_items(const std::vector<Item> &items)
+  {
+    all_items = items;
+    entries.clear();
+    section_locations.clear();
+    for (std::size_t i = 0; i < all_items.size(); ++i)
+      if (all_items[i].is_section)
+        section_locations.emplace(all_items[i].path, all_items[i].location);
+      else
+        entries[all_items[i].path] = i;
+  }
+
   const ParameterScanner::Item *ParameterScanner::entry(const std::string &path) const
   {
     const auto found = entries.find(path);

@@ -54,6 +54,9 @@ namespace tombolo
     /** Scans text like a file called @p name. Collective if it includes files. */
     void read_text(const std::string &text, const std::string &name);
 
+    /** Takes these lines in place of those that were read, the later of two entries at a path. */
+    void replace_items(const std::vector<Item> &items);
+
     /** All lines in the order of reading. */
     const std::vector<Item> &items() const
     {

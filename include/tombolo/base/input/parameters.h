@@ -65,6 +65,12 @@ namespace tombolo
      * `include` relative to the including file. Throws InputError. */
     void read_file(const std::string &file_name);
 
+    /** Takes these lines in place of those that were read, the later of two entries at a path. */
+    void replace_items(const std::vector<ParameterScanner::Item> &items)
+    {
+      scanner.replace_items(items);
+    }
+
     /** Scans text like a file called @p name. */
     void read_text(const std::string &text, const std::string &name);
 
