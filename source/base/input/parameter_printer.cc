@@ -240,4 +240,15 @@ namespace tombolo
     print_object(out, entries, section, 0);
     out << '\n';
   }
+
+  void refuse_format(const std::string &format)
+  {
+    if (format == "xml")
+      throw InputError(
+          "The format \"xml\" of parameters has all sections; of one there are \"prm\", "
+          "\"json\" and \"markdown\".");
+    throw InputError("The format " + in_quotes(format) +
+                     " of parameters is unknown; known are \"prm\", \"json\", \"xml\" and "
+                     "\"markdown\".");
+  }
 } // namespace tombolo

@@ -1,44 +1,26 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/parameters.h>
 
+#include <tombolo/base/input/choosing_entry.h>
+#include <tombolo/base/input/empty_or.h>
 #include <tombolo/base/input/name_hints.h>
 #include <tombolo/base/input/registry.h>
 
 #include <deal.II/base/utilities.h>
 
 #include <algorithm>
-#include <memory>
 
 namespace tombolo
 {
-  namespace
+  Parameters::Parameters(const MPI_Comm communicator) : scanner(communicator) {}
+
+  Parameters::~Parameters() = default;
+
+  void Parameters::collect_mistakes()
   {
-    /** A mandatory entry has no default: makes the handler accept the empty text for it. */
-    class EmptyOr : public Patterns::PatternBase
-    {
-    public:
-      explicit EmptyOr(std::unique_ptr<Patterns::PatternBase> pattern) : pattern(std::move(pattern))
-      {}
-
-      bool match(const std::string &text) const override
-      {
-        return text.empty() || pattern->match(text);
-      }
-
-      std::string description(const OutputStyle style) const override
-      {
-        return pattern->description(style);
-      }
-
-      std::unique_ptr<Patterns::PatternBase> clone() const override
-      {
-        return std::make_unique<EmptyOr>(pattern->clone());
-      }
-
-    private:
-      std::unique_ptr<Patterns::PatternBase> pattern;
-    };
-  } // namespace
+    mistakes.collect();
+    scanner.note_in(mistakes);
+  }
 
   void Parameters::refuse(const std::string &path, const std::string &message) const
   {
@@ -280,6 +262,7 @@ namespace tombolo
   void Parameters::refuse_unused() const
   {
     std::vector<const Item *> unused;
+    bool is_certain = false;
     const auto check_item = [&](const Item &item)
     {
       const bool is_read =
@@ -288,7 +271,8 @@ namespace tombolo
                       [&](const auto &alias)
                       { return alias.second == item.path && used.count(alias.first) > 0; });
       if (!item.is_section && !is_read && !is_reset(item.path) && !mistakes.is_refused(item.path) &&
-          declarations().find(item.path) != nullptr)
+          declarations().find(item.path) != nullptr &&
+          !reason_of_no_effect(item.path, is_certain).empty())
         unused.push_back(&item);
     };
     for (const auto &item : scanner.items())
@@ -299,7 +283,7 @@ namespace tombolo
     const bool is_read_to_the_end = mistakes.empty();
     for (const Item *const item : unused)
     {
-      bool is_certain = false;
+      is_certain = false;
       const std::string reason = reason_of_no_effect(item->path, is_certain);
       if (is_read_to_the_end || is_certain)
         mistakes.add(prefix_with_value(*item) + " has no effect here: " + reason +
@@ -332,19 +316,22 @@ namespace tombolo
     if (outermost.empty())
       return "nothing reads it with the other entries as they are.";
     const std::string name = last_name(outermost);
-    for (const auto &sibling : declarations().find(parent_path(outermost))->children)
-    {
-      const auto alternatives = pattern_alternatives(sibling.pattern);
-      if (std::find(alternatives.begin(), alternatives.end(), name) == alternatives.end())
-        continue;
-      is_certain = value(sibling.path) != name && !mistakes.is_refused(sibling.path) &&
-                   (!sibling.is_mandatory || setting(sibling.path) != nullptr);
-      return "section " + in_quotes(outermost) + " is read only with " + in_quotes(sibling.path) +
-             " = " + in_quotes(name) + ", but it is " + in_quotes(value(sibling.path)) +
-             (setting(sibling.path) == nullptr ? " by default."
-                                               : " (" + prefix(*setting(sibling.path)) + ").");
-    }
-    return "nothing reads section " + in_quotes(outermost) + " with the other entries as they are.";
+    const ParameterDeclaration *const entry =
+        entry_that_chooses(name, *declarations().find(parent_path(outermost)));
+    if (entry == nullptr)
+      return "nothing reads section " + in_quotes(outermost) +
+             " with the other entries as they are.";
+    const Item *const choice = setting(entry->path);
+    is_certain = value(entry->path) != name && !mistakes.is_refused(entry->path) &&
+                 (!entry->is_mandatory || choice != nullptr);
+    const auto is_included = [&](const SourceLocation &location)
+    { return location.line > 0 && location.file != main_file; };
+    if (is_certain && choice != nullptr && is_included(setting(path)->location) &&
+        !is_included(choice->location))
+      return "";
+    return "section " + in_quotes(outermost) + " is read only with " + in_quotes(entry->path) +
+           " = " + in_quotes(name) + ", but it is " + in_quotes(value(entry->path)) +
+           (choice == nullptr ? " by default." : " (" + prefix(*choice) + ").");
   }
 
   bool Parameters::is_used_below(const std::string &section) const
@@ -402,15 +389,9 @@ namespace tombolo
           ParameterHandler::OutputStyle(
               ParameterHandler::XML | ParameterHandler::KeepDeclarationOrder |
               (with_documentation ? ParameterHandler::DefaultStyle : ParameterHandler::Short)));
-    else if (format == "xml")
-      throw InputError(
-          "The format \"xml\" of parameters has all sections; of one there are \"prm\", "
-          "\"json\" and \"markdown\".");
     else if (format == "markdown")
       print_parameter_page(out, printed);
     else
-      throw InputError("The format " + in_quotes(format) +
-                       " of parameters is unknown; known are \"prm\", \"json\", \"xml\" and "
-                       "\"markdown\".");
+      refuse_format(format);
   }
 } // namespace tombolo

@@ -115,7 +115,8 @@ namespace tombolo
     [[noreturn]] void fail(const std::string &path, const std::string &message) const;
 
     /** Entries that were set in the file but that nothing read: an input that does nothing is an
-     * error. Throws an InputError that names the first, or notes each. */
+     * error, but where a file that includes theirs, or an override, chooses another section. Throws
+     * an InputError that names the first, or notes each. */
     void refuse_unused() const;
 
     /** A sentence for each entry that is set under a former name (an alias that is declared as
@@ -174,7 +175,7 @@ namespace tombolo
     /** The value of an entry that is read, or its substitute. */
     std::string read(const ParameterDeclaration &entry) const;
     void refuse_missing(const ParameterDeclaration &entry) const;
-    /** @p is_certain: it is another choice that was made, whatever else was read. */
+    /** Empty: there is no mistake. @p is_certain: another choice was made, whatever was read. */
     std::string reason_of_no_effect(const std::string &path, bool &is_certain) const;
     bool is_used_below(const std::string &section) const;
 

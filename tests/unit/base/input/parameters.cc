@@ -392,6 +392,35 @@ namespace
                          "--set \"Mesh/cylinder/Radius = 2\" has no effect here"));
   }
 
+  TEST(Parameters,
+       an_included_file_may_have_the_section_of_a_choice_that_the_including_file_replaces)
+  {
+    const Files files;
+    files.write("base.prm", "subsection Mesh\n set Type = cylinder\n subsection cylinder\n"
+                            "  set Radius = 1\n end\nend\n");
+    const auto unused = [&](const std::string &text, const std::vector<std::string> &overrides)
+    {
+      files.write("main.prm", "include base.prm\n" + text);
+      Parameters parameters(MPI_COMM_WORLD);
+      parameters.read_file(files.path("main.prm"));
+      for (const std::string &assignment : overrides)
+        parameters.add_override(assignment);
+      declare(parameters.handler());
+      parameters.assign();
+      parameters.section("Mesh").get("Type");
+      return message_of([&] { parameters.refuse_unused(); });
+    };
+    const std::string other_type = "subsection Mesh\n set Type = box\n";
+    EXPECT_EQ(unused(other_type + "end\n", {}), "(nothing was refused)");
+    EXPECT_EQ(unused("", {"Mesh/Type = box"}), "(nothing was refused)");
+    EXPECT_TRUE(contains(unused("", {}), "base.prm:4"));
+    EXPECT_TRUE(
+        contains(unused(other_type + " subsection cylinder\n  set value = 3\n end\nend\n", {}),
+                 "main.prm:5: entry \"Mesh/cylinder/value\" = \"3\" has no effect here"));
+    EXPECT_TRUE(contains(unused("", {"Mesh/Type = box", "Mesh/cylinder/value = 2"}),
+                         "--set \"Mesh/cylinder/value = 2\" has no effect here"));
+  }
+
   TEST(Parameters, includes_are_relative_to_the_including_file_and_may_be_changed_after_them)
   {
     const Files files;
