@@ -45,6 +45,18 @@ namespace tombolo
   }
 
   template <int dim>
+  void History<dim>::check_continuation(const OutputView<dim> &view,
+                                        const OutputDirectory &directory,
+                                        const UnitLabels &unit_labels)
+  {
+    begin(view);
+    table.begin_row(view.time, view.step);
+    add_columns(view);
+    check_columns(directory, unit_labels);
+    table.refuse_other(directory, unit_labels);
+  }
+
+  template <int dim>
   void History<dim>::start(const OutputView<dim> &view, const OutputDirectory &directory,
                            const UnitLabels &unit_labels)
   {
@@ -53,7 +65,6 @@ namespace tombolo
     begin(view);
     table.begin_row(view.time, view.step);
     add_columns(view);
-    check_columns(directory, unit_labels);
     table.open(directory, unit_labels);
   }
 

@@ -157,12 +157,17 @@ namespace tombolo
            header(labels) != header_at_checkpoint;
   }
 
-  void TimeTable::refuse_other_format() const
+  void TimeTable::refuse_other(const OutputDirectory &directory, const UnitLabels &labels) const
   {
+    if (rows == Rows::in_file && has_other_columns(labels))
+      throw InputError("The columns of " + directory.file(file_name) +
+                       " are not those of the run that is resumed: set the entries of this output "
+                       "back, or resume into another output directory.");
+    const bool goes_on = rows == Rows::in_file ? is_continued() : n_kept_rows > 0;
     const bool has_files =
-        directory->size(file_name) > 0 || directory->size(Hdf5Table::file_name) > 0;
-    if (has_files && format.name() != format_at_checkpoint)
-      throw InputError("The run that is resumed has the tables of " + directory->path() +
+        directory.size(file_name) > 0 || directory.size(Hdf5Table::file_name) > 0;
+    if (goes_on && has_files && format.name() != format_at_checkpoint)
+      throw InputError("The run that is resumed has the tables of " + directory.path() +
                        " with `Table format = " + format_at_checkpoint +
                        "` in section \"Output\", not `" + format.name() +
                        "`: set it back, or resume into another output directory.");
@@ -170,25 +175,16 @@ namespace tombolo
 
   void TimeTable::open(const OutputDirectory &run_directory, const UnitLabels &labels)
   {
-    const bool has_wrong_columns = has_other_columns(labels);
+    refuse_other(run_directory, labels);
     directory = std::make_unique<OutputDirectory>(run_directory);
     unit_labels = labels;
     if (rows == Rows::in_memory)
     {
       if (n_kept_rows > 0)
-      {
-        refuse_other_format();
         write_all_rows();
-      }
       return;
     }
     begin_row();
-    if (has_wrong_columns)
-      throw InputError("The columns of " + directory->file(file_name) +
-                       " are not those of the run that is resumed: set the entries of this output "
-                       "back, or resume into another output directory.");
-    if (is_continued())
-      refuse_other_format();
     if (format.csv && is_continued())
       directory->truncate(file_name, bytes_at_checkpoint);
     else if (format.csv)

@@ -217,8 +217,11 @@ namespace tombolo
         if (!resumption.is_resumed)
           directory = std::make_unique<OutputDirectory>(parameters.section(""), "Output directory",
                                                         model->communicator);
+        const UnitLabels unit_labels(parameters.section(""));
         if (resumption.continues_files)
         {
+          statistics.refuse_other(*directory, unit_labels);
+          outputs.check_continuation(run_clock, *directory, unit_labels);
           directory->remove_summary();
           Checkpoints::remove_later(*directory, run_clock.step);
         }
@@ -228,7 +231,6 @@ namespace tombolo
           write_owner_of_results(parameters, *directory);
         }
         hold_results(*directory);
-        const UnitLabels unit_labels(parameters.section(""));
         statistics.open(*directory, unit_labels);
         directory->write_parameters(parameters);
         log.open_file(*directory, resumption.is_resumed);

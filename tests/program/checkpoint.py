@@ -767,7 +767,11 @@ class Refusals(Case):
 
     def test_changes_of_the_model_are_named(self):
         self.run_program("--quiet", "rod.prm")
-        before = self.read("output", "statistics.csv"), os.listdir(self.path("output", "checkpoint"))
+        def results():
+            return [self.read("output", name) for name in ("statistics.csv", "conditions.csv", "summary.json")
+                    ] + os.listdir(self.path("output", "checkpoint"))
+
+        before = results()
         for change, expected in (
                 ("Material: steel/elastic/Density = 101", 'was written with "100".'),
                 ("Mesh/box/Cells = 10, 3", 'was written with "10, 2".'),
@@ -784,8 +788,9 @@ class Refusals(Case):
                          expected=('Error: --set "%s' % change.split(" =")[0], expected))
         self.refused("--quiet", "--resume", "rod.prm", "--set", "Conditions =", "--set",
                      "Material: steel/elastic/Density = 99", ranks=2, expected=())
-        self.assertEqual((self.read("output", "statistics.csv"),
-                          os.listdir(self.path("output", "checkpoint"))), before)
+        self.refused("--quiet", "--resume", "rod.prm", "--set", "Output/condition history/Columns = *force x",
+                     expected=("The columns of output/conditions.csv are not those of the run that is resumed",))
+        self.assertEqual(results(), before)
 
     def test_a_mesh_file_that_has_changed_is_noticed(self):
         mesh = ("# vtk DataFile Version 3.0\nstrip\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS %d double\n"

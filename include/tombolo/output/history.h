@@ -33,6 +33,8 @@ namespace tombolo
 
     /** Throws InputError where there is no column that `Columns` names. */
     void check(const OutputView<dim> &view) override;
+    void check_continuation(const OutputView<dim> &view, const OutputDirectory &directory,
+                            const UnitLabels &unit_labels) override;
     void start(const OutputView<dim> &view, const OutputDirectory &directory,
                const UnitLabels &unit_labels) override;
     void after_step(const OutputView<dim> &view) override;

@@ -103,8 +103,9 @@ namespace tombolo
   /**
    * Something that is written in the course of a run: a plug-in, which section Output names in
    * `Further outputs`. All functions are collective, called on every rank in this order: check()
-   * when the model is built and start() before the first step, then after_step() after each step
-   * and write() at each time of the output schedule, finish() once.
+   * when the model is built, check_continuation() of some resumed runs and start() before the first
+   * step, then after_step() after each step and write() at each time of the output schedule,
+   * finish() once.
    */
   template <int dim>
   class Output
@@ -114,6 +115,14 @@ namespace tombolo
 
     /** With the initial model: refuse what cannot work with it. Throws InputError. */
     virtual void check(const OutputView<dim> & /*view*/) {}
+
+    /** Of a run that goes on in the directory that it is resumed from, when the state was read and
+     * before anything there changes: refuse what does not continue what is there. Throws
+     * InputError. */
+    virtual void check_continuation(const OutputView<dim> & /*view*/,
+                                    const OutputDirectory & /*directory*/,
+                                    const UnitLabels & /*unit_labels*/)
+    {}
 
     /** Before the first step: begin to write. */
     virtual void start(const OutputView<dim> & /*view*/, const OutputDirectory & /*directory*/,

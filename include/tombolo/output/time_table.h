@@ -133,11 +133,14 @@ namespace tombolo
      * has one unit and at most one value a row. */
     void add(const std::string &name, const std::string &unit, double value);
 
+    /** Throws InputError where the table in this directory that open() would continue has other
+     * columns than the present row, or another format. Changes nothing. Collective. */
+    void refuse_other(const OutputDirectory &directory, const UnitLabels &unit_labels) const;
+
     /** Begins the file, or continues it where an earlier state of this table was read:
      * rows after the checkpoint are removed. With rows in memory nothing is written before there is
      * a row; with rows in the file the present row determines the columns and is discarded. Throws
-     * RunError where the file cannot be written and InputError where has_other_columns() or the
-     * earlier run had the table in another format. Collective. */
+     * RunError where the file cannot be written and InputError as refuse_other(). Collective. */
     void open(const OutputDirectory &directory, const UnitLabels &unit_labels);
 
     /** Ends the present row and starts the next. With rows in memory the row is in the file when
@@ -187,7 +190,6 @@ namespace tombolo
     /** Numbers of a row for HDF5, behind @p values. */
     void append_row(std::size_t index, std::vector<double> &values) const;
     void begin_hdf5(std::uint64_t first_rows);
-    void refuse_other_format() const;
     void write_all_rows();
     void serialize_format(StateArchive &archive);
     void serialize_rows(StateArchive &archive);

@@ -68,6 +68,14 @@ namespace tombolo
         output->check(view_at(clock));
     }
 
+    /** Throws InputError where an output does not continue what is in the directory. */
+    void check_continuation(const Clock &clock, const OutputDirectory &directory,
+                            const UnitLabels &unit_labels)
+    {
+      for (const auto &output : outputs)
+        output->check_continuation(view_at(clock), directory, unit_labels);
+    }
+
     void start(const Clock &clock, const OutputDirectory &directory, const UnitLabels &unit_labels)
     {
       for (const auto &output : outputs)
