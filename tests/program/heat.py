@@ -202,6 +202,21 @@ class Runs(checkpoint.Case, Scenes):
             self.assertLess(abs(float(row["heat balance error"])), 1e-13, ranks)
             self.assertLess(abs(float(row["energy error"])), 0.01, ranks)
 
+    def test_heat_that_a_contact_has_left_at_the_end_of_a_stage_is_given_in_the_next(self):
+        """Few thermal steps, the last of which is not at the end; nothing else heats the block, and nothing cools it."""
+        self.write_scene("pulled.prm", *SLIDING, *ON_TOOL, ["Quinney coefficient = 0.9", "Quinney coefficient = 0"],
+                         name="case.prm")
+        self.write("chain.prm", "include case.prm\nset End time = 0.27\nsubsection Output\n  set Times = 0.1\nend\nset Stages = rub, rest\n"
+                   "subsection Stage: rub\nend\n"
+                   "subsection Stage: rest\n  set Contacts =\n  set Conditions = hold\n  set End time = 0.2\nend\n")
+        for ranks in (1, 2):
+            self.run_program("--quiet", "chain.prm", ranks=ranks)
+            last, rows = self.statistics("output/rub")[-1], self.statistics("output/rest")
+            pending, enthalpy = (float(last[name + " [M L^2/T^2]"]) for name in ("pending heat", "enthalpy"))
+            self.assertGreater(abs(pending), 1e-4)
+            for row in rows:
+                self.assertAlmostEqual(float(row["enthalpy [M L^2/T^2]"]), enthalpy + pending, delta=1e-13)
+
     def probes(self, directory):
         with open(self.path(directory, "probes.csv")) as file:
             return list(csv.DictReader(file))

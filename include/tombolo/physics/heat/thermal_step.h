@@ -108,6 +108,8 @@ namespace tombolo
         model.heat->find_field(state.unsmoothed_temperature, state.temperature);
         state.present_temperature.copy_from(state.temperature);
       }
+      if (has_pending_heat(state)) // of a contact, at the end of the run that this one goes on from
+        model.heat->add_pending_heat();
       // The first effect of prescribed temperatures belongs to the beginning, not to the balance.
       std::vector<double> condition_heats(entered.size(), 0.);
       model.heat->find_temperature(time, state.enthalpy, state.unsmoothed_temperature,
@@ -278,6 +280,16 @@ namespace tombolo
     }
 
   private:
+    /** Collective. */
+    static bool has_pending_heat(const ThermalState &state)
+    {
+      bool is_pending = false;
+      for (unsigned int i = 0; i < state.pending.partition()->n_owned(); ++i)
+        is_pending = is_pending || *state.pending.node(i) != 0.;
+      return dealii::Utilities::MPI::max(is_pending ? 1 : 0,
+                                         state.pending.partition()->communicator()) == 1;
+    }
+
     void complete_step(const Model<dim> &model)
     {
       ThermalModel<dim> &heat = *model.heat;
