@@ -187,6 +187,13 @@ class Warnings(command_line.Case):
                 "--set", "Contact: wall/plane/Displacement = " + way))
             self.assertEqual(printed.count("will hardly touch anything"), count, printed)
 
+    def test_a_body_that_leaves_a_wall_at_once(self):
+        for velocity, count in (("0.3", 1), ("-0.3", 0), ("0", 0)):
+            printed = self.dry_run(self.FLIGHT, self.NO_PULSE, [self.CONTACT[0], self.CONTACT[1] % velocity], options=(
+                "--set", "Contact: wall/plane/Point = 0, 0"))
+            self.assertEqual(printed.count("will hardly touch anything: until the end it comes no nearer than 0, at t = 0"),
+                             count, printed)
+
     def test_a_body_that_loads_move_is_not_judged(self):
         printed = self.dry_run(["set Conditions       = pulse", "set Conditions = pulse\n" + self.FLIGHT[1]],
                                [self.CONTACT[0], self.CONTACT[1] % "0"])
@@ -205,6 +212,18 @@ class Warnings(command_line.Case):
                                           ("length: foot, time: s", 1, 1, 0), ("", 1, 1, 0)):
             options = ("--set", "Unit labels = " + labels, "--set", density % rho, "--set", modulus % young)
             self.assertEqual(self.dry_run(options=options if labels else options[2:]).count(piece), count, labels)
+
+    def test_heat_capacities_that_no_solid_has(self):
+        for labels, capacity, count in (("length: m, time: s", 460, 0), ("length: m, time: s", 0.46, 1),
+                                        ("length: mm, time: s", 460e6, 0), ("length: mm, time: s", 460, 1),
+                                        ("length: mm, time: ms", 460, 0), ("length: foot, time: s", 1, 0), ("", 1, 0)):
+            with open(self.path("heat.prm"), "w") as file:
+                file.write(run_cases.parameter_text({"file": "heat.prm"}).replace("@OUTPUT@", "output"))
+            options = ["--set", f"Material: copper/Heat/Specific heat capacity = {capacity}"]
+            options += ["--set", "Unit labels = " + labels] if labels else []
+            printed = self.run_program("--dry-run", "heat.prm", *options)
+            for part in ("left", "right"):
+                self.assertEqual(printed.count(f'Warning: Part "{part}" has a specific heat capacity of '), count, printed)
 
     def test_a_yield_stress_above_what_metals_have(self):
         plastic = ["set Model = elastic\n  subsection elastic", "set Model = j2 plasticity\n  subsection j2 plasticity\n    set Flow "

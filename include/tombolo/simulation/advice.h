@@ -15,7 +15,9 @@
 #include <tombolo/physics/mechanics/subcycling.h>
 #include <tombolo/physics/statics/static_steps.h>
 #include <tombolo/simulation/initial_state.h>
+#include <tombolo/simulation/short_number.h>
 #include <tombolo/simulation/spacings.h>
+#include <tombolo/simulation/unit_warnings.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -25,24 +27,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <map>
 #include <optional>
 #include <utility>
 
 namespace tombolo
 {
-  /** A number for a sentence. */
-  inline std::string short_number(const double value)
-  {
-    return as_text(std::setprecision(3), value);
-  }
-
-  inline std::string percent(const double fraction)
-  {
-    return short_number(100. * fraction) + " %";
-  }
-
   /** The largest extent of the body over the largest wave speed [T]. Collective. */
   template <int dim>
   double crossing_time(const Model<dim> &model)
@@ -61,53 +51,6 @@ namespace tombolo
       log.warn("The run ends at " + format_number(end_time) + ", before a wave has crossed the " +
                "body, which takes " + short_number(crossing) +
                ": is `End time` in the unit of time of the densities and moduli?");
-  }
-
-  template <int dim>
-  void warn_of_wave_speeds(const Model<dim> &model, const UnitLabels &labels, Log &log)
-  {
-    constexpr double slowest = 100., fastest = 10000.;
-    const std::optional<double> length = labels.in_si("L"), time = labels.in_si("T");
-    if (!length || !time)
-      return;
-    for (const Part<dim> &part : model.parts)
-    {
-      const Material &material = *part.material;
-      if (!material.has_mechanics())
-        continue;
-      const double meters_per_second =
-          std::sqrt(material.inertial_density() / material.density()) * *length / *time;
-      const double compression = material.longitudinal_wave_speed() * meters_per_second;
-      const double shear = material.shear_wave_speed() * meters_per_second;
-      // Without compressibility P waves have any speed.
-      if (compression < slowest || shear > fastest)
-        log.warn("Waves would travel through part \"" + part.name + "\" at " +
-                 short_number(compression) + " m/s (P) and " + short_number(shear) +
-                 " m/s (S) by `Unit labels`, in solids it is 100 to 10000: are density, modulus, "
-                 "length and time in units that belong together?");
-    }
-  }
-
-  /** Of scenes with units: numbers without them may have any ratio. */
-  template <int dim>
-  void warn_of_yield_stresses(const Model<dim> &model, const UnitLabels &labels, Log &log)
-  {
-    constexpr double largest_strain = 0.1;
-    if (!labels.in_si("L") || !labels.in_si("T"))
-      return;
-    for (const Part<dim> &part : model.parts)
-    {
-      if (!part.material->can_yield())
-        continue;
-      const double bulk = part.material->bulk_modulus(), shear = part.material->shear_modulus();
-      const double modulus = 9. * bulk * shear / (3. * bulk + shear);
-      const double yield = part.material->slow_yield_stress(0., 0.);
-      if (yield > largest_strain * modulus)
-        log.warn("Part \"" + part.name + "\" yields at " + short_number(yield) + ", " +
-                 short_number(yield / modulus) +
-                 " times its Young's modulus, where metals yield below 0.02 times theirs: are "
-                 "both in the same unit of stress?");
-    }
   }
 
   /** The prescribed velocity of a component at an initial position. */
@@ -202,6 +145,7 @@ namespace tombolo
   struct Approach
   {
     double gap = 1e300, time = 0;
+    bool touches = false;
   };
 
   /** The smallest distance of the nodes that can touch from the surface at @p time, where they
@@ -218,8 +162,8 @@ namespace tombolo
     return smallest;
   }
 
-  /** How near a surface comes, at moments of the run, to a body that flies on as it begins.
-   * Collective. */
+  /** How near a surface comes, at moments of the run, to a body that flies on as it begins. One
+   * that lies at it and leaves it at once does not touch it. Collective. */
   template <int dim>
   Approach nearest_approach(const SurfaceContact<dim> &contact, const Model<dim> &model,
                             const double end_time)
@@ -228,7 +172,7 @@ namespace tombolo
     const NodalState &state = model.state;
     NodalVector position(state.partition(), Quantity::position);
     Approach nearest;
-    for (unsigned int k = 0; k <= n_moments && nearest.gap > 0.; ++k)
+    for (unsigned int k = 0; k <= n_moments && !nearest.touches; ++k)
     {
       const double time = end_time * k / n_moments;
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
@@ -239,6 +183,7 @@ namespace tombolo
           Utilities::MPI::min(smallest_gap(contact, position, time), model.communicator);
       if (gap < nearest.gap)
         nearest = {gap, time};
+      nearest.touches = gap < 0. || (gap == 0. && k > 0);
     }
     return nearest;
   }
@@ -270,12 +215,12 @@ namespace tombolo
     for (const auto *const contact : shown_by_processes<SurfaceContact<dim>>(model))
     {
       const Approach approach = contact->has_tool_mass() || contact->is_with_part()
-                                    ? Approach{0., 0.} // where it goes is not known
+                                    ? Approach{0., 0., true} // where it goes is not known
                                     : nearest_approach(*contact, model, end_time);
-      if (approach.gap > 0.)
-        idle.emplace_back(contact, approach);
-      else
+      if (approach.touches)
         is_driven = true;
+      else
+        idle.emplace_back(contact, approach);
     }
     for (const auto &[contact, approach] : idle)
       if (!is_driven || is_moved(*contact, end_time))
@@ -512,12 +457,14 @@ namespace tombolo
                     const Parameters &parameters, const double end_time, const double n_steps,
                     Log &log)
   {
+    const UnitLabels labels(parameters.section(""));
+    warn_of_heat_capacities(model, labels, log);
     if (!model.has_mechanics)
       return;
     const bool at_rest = StaticSteps<dim>::are_chosen(parameters);
     if (!at_rest)
-      warn_of_wave_speeds(model, UnitLabels(parameters.section("")), log);
-    warn_of_yield_stresses(model, UnitLabels(parameters.section("")), log);
+      warn_of_wave_speeds(model, labels, log);
+    warn_of_yield_stresses(model, labels, log);
     warn_of_conflicts(model, end_time, log);
     warn_of_late_conditions(model, end_time, log);
     warn_of_idle_contacts(model, end_time, log);

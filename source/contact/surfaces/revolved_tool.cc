@@ -155,6 +155,9 @@ namespace tombolo
       this->read_motion(e, axis);
       if (e.declares())
         return;
+      e.refuse(dim == 3 && this->has_constant_angle(), "Angle",
+               "a constant does not turn a tool of revolution: allowed is a function of t such as "
+               "`2*pi*50*t`");
       try
       {
         profile = RigidProfile(outline.corners, outline.edge_radius);

@@ -79,6 +79,12 @@ namespace tombolo
       return rotation ? rotation->value(dealii::Point<dim>(), time) : 0.;
     }
 
+    /** Whether `Angle` is a constant other than zero, which turns nothing. */
+    bool has_constant_angle() const
+    {
+      return rotation && !rotation->depends_on_time() && angle(0.) != 0.;
+    }
+
     /** @p vector turned about the axis. */
     dealii::Tensor<1, dim> turned(const dealii::Tensor<1, dim> &vector, const double angle) const
     {
