@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/output.h>
 
+#include <tombolo/base/input/text.h>
+
 namespace tombolo
 {
   template <int dim>
@@ -38,8 +40,9 @@ namespace tombolo
         const std::string nearest = nearest_name(name, registry.names());
         section.fail("Further outputs",
                      "there is no output \"" + name + "\"" +
-                         (nearest.empty() ? "" : ", did you mean \"" + nearest + "\"?") +
-                         " Known: " + registry.selection());
+                         (nearest.empty() ? "." : ", did you mean \"" + nearest + "\"?") +
+                         " Known in " + std::to_string(dim) +
+                         " dimensions: " + joined(registry.names(), ", "));
       }
       if (const auto other = switched_by.find(name); other != switched_by.end())
         section.fail("Further outputs",
