@@ -84,4 +84,8 @@ namespace tombolo
   /** Prints what is in @p section as JSON. */
   void print_json(std::ostream &out, const PrintedEntries &entries,
                   const ParameterDeclaration &section);
+
+  /** Throws the InputError of a format that there is not, or of "xml" where it is of one section.
+   */
+  [[noreturn]] void refuse_format(const std::string &format);
 } // namespace tombolo
