@@ -12,16 +12,6 @@
 
 namespace tombolo
 {
-  Parameters::Parameters(const MPI_Comm communicator) : scanner(communicator) {}
-
-  Parameters::~Parameters() = default;
-
-  void Parameters::collect_mistakes()
-  {
-    mistakes.collect();
-    scanner.note_in(mistakes);
-  }
-
   void Parameters::refuse(const std::string &path, const std::string &message) const
   {
     mistakes.mark_refused(path);
