@@ -285,16 +285,16 @@ namespace tombolo
     const auto acts = [&](const unsigned int c) { return conditions[c].acts_at(time); };
     for (unsigned int c = 0; c < conditions.size(); ++c)
       if (is_on_faces(conditions[c].type) && acts(c))
-        add(c, [&]() { add_surface_forces(c, state, time, put_of(c)); });
+        add(c, [&]() { for_surface_forces(c, state, time, put_of(c)); });
     loads.add_to_owners();
     for (unsigned int c = 0; c < conditions.size(); ++c)
       if (is_on_volume(conditions[c].type) && acts(c))
-        add(c, [&]() { add_body_forces(c, state, mass, time, put_of(c)); });
+        add(c, [&]() { for_body_forces(c, state, mass, time, put_of(c)); });
   }
 
   template <int dim>
   template <typename Put>
-  void MechanicalConditions<dim>::add_surface_forces(const unsigned int c, const NodalState &state,
+  void MechanicalConditions<dim>::for_surface_forces(const unsigned int c, const NodalState &state,
                                                      const double time, const Put &put) const
   {
     const auto &group = areas.group(c);
@@ -325,7 +325,7 @@ namespace tombolo
 
   template <int dim>
   template <typename Put>
-  void MechanicalConditions<dim>::add_body_forces(const unsigned int c, const NodalState &state,
+  void MechanicalConditions<dim>::for_body_forces(const unsigned int c, const NodalState &state,
                                                   const NodalVector &mass, const double time,
                                                   const Put &put) const
   {

@@ -238,7 +238,8 @@ namespace tombolo
       pressed, ///< ∫ N_I dA over the points behind the surface, by the weights of rubbing
       squares  ///< ∫ N_I <-g>² dA
     };
-    /** The slot of normals and motions with approaches of points that are, were behind it. */
+    /** The slot with the integrals of approaches: in normals of points that are behind it, in
+     * motions of those that were. */
     static constexpr unsigned int approach = node_stride - 1;
 
     /** Finds the points behind the surface at t_n or before, and A_I. */

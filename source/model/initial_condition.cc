@@ -185,14 +185,18 @@ namespace tombolo
     /** Refuses a stress at @p point at which the material flows at once: a part of its energy would
      * vanish in the first step. */
     template <int dim>
-    void refuse_flow(const Section &section, const Part<dim> &part, const Point<dim> &point,
+    void refuse_flow(const Section &section, const InitialCondition<dim> &condition,
+                     const Part<dim> &part, const Point<dim> &point,
                      const SymmetricComponents &stress)
     {
       constexpr double round_off = 1e-6;
+      const double temperature = condition.temperature ? condition.temperature->value(point, 0., 0)
+                                 : part.heat           ? part.heat->initial_temperature()
+                                                       : 0.;
       const double effective_stress = von_mises_stress(stress.data());
-      const double yield_stress = part.material->slow_yield_stress(0., 0.);
+      const double yield_stress = part.material->slow_yield_stress(0., temperature);
       if (effective_stress > (1. + round_off) * yield_stress)
-        section.fail("Stress", as_text("its von Mises stress at (", point, ") is ",
+        section.fail("Stress", as_text("its von Mises stress at ", position_text(point), " is ",
                                        effective_stress, ", and part ", in_quotes(part.name),
                                        " yields at ", yield_stress, "; allowed is at most that."));
     }
@@ -217,7 +221,7 @@ namespace tombolo
           for (unsigned int c = 0; c < 6; ++c)
             part.formulation->points().component(MaterialPoints::stress, c)[i] = stress[c] =
                 condition.stress->value(points[i], 0., c);
-          refuse_flow(section, part, points[i], stress);
+          refuse_flow(section, condition, part, points[i], stress);
         }
       }
       return n_selected;

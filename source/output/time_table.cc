@@ -164,9 +164,8 @@ namespace tombolo
                        " are not those of the run that is resumed: set the entries of this output "
                        "back, or resume into another output directory.");
     const bool goes_on = rows == Rows::in_file ? is_continued() : n_kept_rows > 0;
-    const bool has_files =
-        directory.size(file_name) > 0 || directory.size(Hdf5Table::file_name) > 0;
-    if (goes_on && has_files && format.name() != format_at_checkpoint)
+    if (goes_on && format.name() != format_at_checkpoint &&
+        (directory.size(file_name) > 0 || directory.size(Hdf5Table::file_name) > 0))
       throw InputError("The run that is resumed has the tables of " + directory.path() +
                        " with `Table format = " + format_at_checkpoint +
                        "` in section \"Output\", not `" + format.name() +

@@ -212,12 +212,13 @@ namespace tombolo
     using Base::constraint_nodes;
     using Base::constraints;
 
-    /** Call put(node, force) for the nodes on which a condition acts. */
+    /** Call put(node, force) for the nodes of this rank on which a condition acts, those of faces
+     * with ghosts; the force has three components. */
     template <typename Put>
-    void add_surface_forces(unsigned int c, const NodalState &state, double time,
+    void for_surface_forces(unsigned int c, const NodalState &state, double time,
                             const Put &put) const;
     template <typename Put>
-    void add_body_forces(unsigned int c, const NodalState &state, const NodalVector &mass,
+    void for_body_forces(unsigned int c, const NodalState &state, const NodalVector &mass,
                          double time, const Put &put) const;
     /** Sets the prescribed components of a vector: value(condition, node, component, direction),
      * where the last is null for an axis of the coordinates. */

@@ -137,7 +137,8 @@ namespace tombolo
 
     /** Adds the heat per unit time that enters through surfaces at @p time, with the temperature of
      * the surface in slot 0 of @p temperature (ghosts current), to slot 0 of @p heat_rate, ghosts
-     * too, and that of each condition on this rank to @p condition_rates. */
+     * too, which the caller collects, and that of each condition on this rank to @p
+     * condition_rates. */
     void add_surface_heat(const NodalVector &initial_position, const NodalVector &temperature,
                           double time, NodalVector &heat_rate,
                           std::vector<double> &condition_rates) const;

@@ -103,7 +103,8 @@ namespace tombolo
   class ContactHeat
   {
   public:
-    /** @p surface is null where it is that of no part. All must outlive this. Throws InputError. */
+    /** @p surface is null where it is that of no part. What is referred to must outlive this.
+     * Throws InputError. */
     ContactHeat(const Section &section, const ContactSettings &settings,
                 const std::vector<unsigned int> &candidates, PartSurface<dim> *surface);
 

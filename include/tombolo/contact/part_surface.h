@@ -242,7 +242,8 @@ namespace tombolo
       refit();
     }
 
-    /** Finds the contact points of these candidates, with owned @p nodes. Collective. */
+    /** Finds the contact points of these candidates, whose owned nodes are in @p nodes, until the
+     * next call. Collective. */
     void find_contact_points(const NodalState &state, const std::vector<unsigned int> &nodes,
                              const std::vector<std::size_t> &candidates);
     const ContactPoint &contact_point(const std::size_t candidate) const

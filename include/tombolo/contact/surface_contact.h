@@ -222,6 +222,7 @@ namespace tombolo
     {
       return part->nodes_of_part();
     }
+    /** Whether nodes have areas, those in contact and debris. */
     bool has_areas() const
     {
       return areas != nullptr;

@@ -107,8 +107,12 @@ namespace tombolo
       return std::exchange(reaction, {});
     }
 
-    /** With the velocities that Bridge::smooth_velocity() left; to be changed only where they are
-     * read from a checkpoint. */
+    /** With the velocities that Bridge::smooth_velocity() left. */
+    const std::vector<ConstrainedParticle> &particles() const
+    {
+      return rank_particles;
+    }
+    /** To be changed only where they are read from a checkpoint. */
     std::vector<ConstrainedParticle> &particles()
     {
       return rank_particles;

@@ -188,7 +188,8 @@ namespace tombolo
     /** Nodes whose values this rank needs: nodes of its cells, neighbours of its particles. */
     virtual dealii::IndexSet required_nodes() const = 0;
 
-    /** Images of nodes that this rank needs, in any order; their sources are required_nodes(). */
+    /** Images of nodes that this rank needs, in any order; their sources are required_nodes(),
+     * with which they change. */
     virtual std::vector<ImageNode> required_image_nodes() const
     {
       return {};
@@ -318,7 +319,8 @@ namespace tombolo
       return {};
     }
 
-    /** Adds the heat of plastic work since the last call (scalar), and counts it as given. */
+    /** Adds the heat of plastic work since the last call (scalar; the caller collects ghosts), and
+     * counts it as given. */
     virtual void add_plastic_heat(NodalVector & /*heat*/) {}
 
     /** The heat that add_plastic_heat() would add now, over this rank [M L^2/T^2]. */
@@ -339,6 +341,7 @@ namespace tombolo
     virtual void point_positions(const NodalVector &position,
                                  std::vector<dealii::Point<dim>> &points) const = 0;
 
+    /** In the order of points(). */
     virtual const std::vector<dealii::Point<dim>> &initial_point_positions() const = 0;
 
     const MaterialPoints &points() const
@@ -354,7 +357,8 @@ namespace tombolo
       return part_points.material();
     }
 
-    /** For output: cells of this rank in the order of active ones (none: particles), points. */
+    /** For output: the number of cells of this rank, in the order of active ones, zero for
+     * particles; and of material points in each. */
     virtual unsigned int n_cells() const = 0;
     virtual unsigned int n_points_per_cell() const = 0;
 

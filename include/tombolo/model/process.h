@@ -262,8 +262,9 @@ namespace tombolo
   /**
    * Makes the processes of one kind from a parameter file, or none. A kind is registered by one
    * line, TOMBOLO_REGISTER_PROCESS_KIND, in the source file of the process; nothing else in the
-   * library is edited. Kinds whose entries are in sections of their own derive from this class; a
-   * process that the file names in `Processes` is a plug-in of kind Process.
+   * library is edited. A process that is alone of its kind is registered by
+   * TOMBOLO_REGISTER_PROCESS instead, and has the functions of its kind itself; one that the file
+   * names in `Processes` is a plug-in of kind Process.
    */
   template <int dim>
   class ProcessKind

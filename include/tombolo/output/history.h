@@ -103,7 +103,8 @@ namespace tombolo
 
   /**
    * A history of items of one kind, such as contacts or sections, each with columns whose names
-   * begin with its own. It is filled by the processes that have them (doc/add_a_process.md).
+   * begin with its own. The processes that have them fill it (doc/add_a_process.md): for each item
+   * begin_item(balance), add_impulses() and add() of further columns.
    *
    * Rows have means since the row before. The summary has the impulse of each item at the last
    * output, by its name, and what else it is given.

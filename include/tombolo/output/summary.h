@@ -16,7 +16,7 @@ namespace tombolo
    * `summary.json`: a run in a form for programs, written when all else has been, so
    * that its presence says that the run is complete. Starts with the versions of the program and
    * its libraries, and the ranks; the simulation adds its counts, and each case its own values
-   * under `results` (doc/results.md).
+   * under `results` (doc/results.md); keys of runs are in simulation/run_summary.h.
    */
   class Summary
   {

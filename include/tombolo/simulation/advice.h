@@ -4,7 +4,6 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/log.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/mesh/extent.h>
 #include <tombolo/model/model.h>
@@ -169,8 +168,16 @@ namespace tombolo
                             const double end_time)
   {
     constexpr unsigned int n_moments = 100;
+    constexpr double round_off = 1e-12; // of coordinates
     const NodalState &state = model.state;
     NodalVector position(state.partition(), Quantity::position);
+    double largest_coordinate = 0;
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        largest_coordinate =
+            std::max(largest_coordinate, std::abs(state.initial_position.node(i)[d]));
+    const double tolerance =
+        round_off * Utilities::MPI::max(largest_coordinate, model.communicator);
     Approach nearest;
     for (unsigned int k = 0; k <= n_moments && !nearest.touches; ++k)
     {
@@ -183,7 +190,7 @@ namespace tombolo
           Utilities::MPI::min(smallest_gap(contact, position, time), model.communicator);
       if (gap < nearest.gap)
         nearest = {gap, time};
-      nearest.touches = gap < 0. || (gap == 0. && k > 0);
+      nearest.touches = gap < (k > 0 ? tolerance : -tolerance);
     }
     return nearest;
   }
@@ -467,7 +474,8 @@ namespace tombolo
     warn_of_yield_stresses(model, labels, log);
     warn_of_conflicts(model, end_time, log);
     warn_of_late_conditions(model, end_time, log);
-    warn_of_idle_contacts(model, end_time, log);
+    if (parameters.section("").get(initial_state_entry).empty())
+      warn_of_idle_contacts(model, end_time, log);
     if (!at_rest)
       judge_step(model, step_size, parameters, n_steps, log);
     if (ExactSolution<dim>::is_given(parameters.section("Exact solution")))

@@ -72,8 +72,6 @@ namespace tombolo
       const std::string entries = read_header(archive, dim, parameters).entries;
       refuse_other_parts(parameters, entries, file, model.communicator);
       read_initial_state(model, archive);
-      if (model.heat && !model.has_heat_sources())
-        model.heat->add_pending_heat(); // nothing else would
       if (model.has_mechanics)
       {
         const double courant = courant_limit(model).time_step;

@@ -139,14 +139,6 @@ namespace tombolo
   private:
     static inline const std::string stage_prefix = "Stage: ";
 
-    static std::vector<std::string> split_list(const std::string &text)
-    {
-      std::vector<std::string> result;
-      for (const std::string &name : Utilities::split_string_list(text, ','))
-        result.push_back(Utilities::trim(name));
-      return result;
-    }
-
     static std::string path_of(const std::string &assignment)
     {
       std::string path;

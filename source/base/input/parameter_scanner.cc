@@ -234,7 +234,8 @@ namespace tombolo
                                    std::vector<std::string> &sections,
                                    std::vector<unsigned int> &opened)
   {
-    const SourceLocation location{open_files.back().name, line_number};
+    const SourceLocation location{open_files.back().name, line_number,
+                                  static_cast<unsigned int>(open_files.size() - 1)};
     const std::string text = Utilities::trim(line);
     if (text.empty())
       return;
@@ -411,6 +412,6 @@ namespace tombolo
     if (value.find_first_of("#\n\r") != std::string::npos ||
         (!value.empty() && value.back() == '\\'))
       refuse("a value has no \"#\" and no line break and does not end in \"\\\".");
-    return {false, joined(names, "/"), value, {"--set", 0}};
+    return {false, joined(names, "/"), value, {"--set", 0, 0}};
   }
 } // namespace tombolo

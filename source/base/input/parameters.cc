@@ -314,10 +314,7 @@ namespace tombolo
     const Item *const choice = setting(entry->path);
     is_certain = value(entry->path) != name && !mistakes.is_refused(entry->path) &&
                  (!entry->is_mandatory || choice != nullptr);
-    const auto is_included = [&](const SourceLocation &location)
-    { return location.line > 0 && location.file != main_file; };
-    if (is_certain && choice != nullptr && is_included(setting(path)->location) &&
-        !is_included(choice->location))
+    if (is_certain && choice != nullptr && choice->location.depth < setting(path)->location.depth)
       return "";
     return "section " + in_quotes(outermost) + " is read only with " + in_quotes(entry->path) +
            " = " + in_quotes(name) + ", but it is " + in_quotes(value(entry->path)) +

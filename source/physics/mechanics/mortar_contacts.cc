@@ -495,9 +495,5 @@ namespace tombolo
     HeatAction *heat = nullptr; ///< null without heat
   };
 
-  namespace
-  {
-  } // namespace
-
   TOMBOLO_REGISTER_PROCESS(MortarContacts, process_order::contact)
 } // namespace tombolo

@@ -173,9 +173,5 @@ namespace tombolo
     NodalVector applied;                            // buffer of linearize()
   };
 
-  namespace
-  {
-  } // namespace
-
   TOMBOLO_REGISTER_PROCESS(PairForces, process_order::loads + 2)
 } // namespace tombolo

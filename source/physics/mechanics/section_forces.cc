@@ -415,10 +415,6 @@ namespace tombolo
     double time_of_impulse = 0;
   };
 
-  namespace
-  {
-  } // namespace
-
   TOMBOLO_REGISTER_PROCESS(SectionForces, process_order::sections)
 
   /** `sections.csv` (doc/conditions.md). */

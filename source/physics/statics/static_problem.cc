@@ -4,7 +4,6 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <deal.II/base/mpi.h>

@@ -18,6 +18,7 @@ namespace tombolo
   {
     std::string file; ///< as the user wrote it, or "--set" for an override
     unsigned int line = 0;
+    unsigned int depth = 0; ///< the number of files that include it, one within the other
   };
 
   /** "file:line", or the file alone where there is no line. */

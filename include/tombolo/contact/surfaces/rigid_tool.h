@@ -79,7 +79,7 @@ namespace tombolo
       return rotation ? rotation->value(dealii::Point<dim>(), time) : 0.;
     }
 
-    /** Whether `Angle` is a constant other than zero, which turns nothing. */
+    /** Whether `Angle` is a constant other than zero, which turns no body of revolution. */
     bool has_constant_angle() const
     {
       return rotation && !rotation->depends_on_time() && angle(0.) != 0.;

@@ -112,7 +112,7 @@ namespace tombolo
                    ConstElementVariables /*variables*/) const
     {}
 
-    /** Adds the stored and the dissipated energy of n_lanes cells. */
+    /** Adds the stored energy of n_lanes cells, and what they have dissipated since the start. */
     void add_energies(ConstElementVariables /*variables*/, Lanes & /*stored*/,
                       Lanes & /*dissipated*/) const
     {}

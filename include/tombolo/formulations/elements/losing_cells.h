@@ -184,7 +184,8 @@ namespace tombolo
     }
   }
 
-  /** The common base of parts whose cells can become particles. */
+  /** The common base of parts whose cells can become particles. A derived class sets part_points.
+   */
   template <int dim, typename Points>
   class LosingCells : public CellPart<dim, Points>, public ConvertingCells<dim>
   {

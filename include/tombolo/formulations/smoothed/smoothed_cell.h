@@ -49,7 +49,8 @@ namespace tombolo
     dealii::Point<dim> point;
   };
 
-  /** A cell of this rank: corners, lexicographic, and faces that bound what is full (or none). */
+  /** A cell of this rank: corners, lexicographic, and faces that bound what is full; a void cell
+   * has none. */
   template <int dim>
   struct SmoothedCell
   {

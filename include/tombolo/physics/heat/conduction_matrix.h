@@ -2,10 +2,10 @@
 #pragma once
 
 #include <tombolo/approximation/nodal_smoothing.h>
-#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/formulations/particles/pair_interactions.h>
 #include <tombolo/model/model.h>
 #include <tombolo/state/dependent_nodes.h>
+#include <tombolo/state/nodal_vector.h>
 
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/lac/trilinos_sparse_matrix.h>

@@ -398,11 +398,13 @@ namespace
     const Files files;
     files.write("base.prm", "subsection Mesh\n set Type = cylinder\n subsection cylinder\n"
                             "  set Radius = 1\n end\nend\n");
-    const auto unused = [&](const std::string &text, const std::vector<std::string> &overrides)
+    const auto unused = [&](const std::string &text, const std::vector<std::string> &overrides,
+                            const std::string &file = "main.prm")
     {
       files.write("main.prm", "include base.prm\n" + text);
+      files.write("outer.prm", "include main.prm\n");
       Parameters parameters(MPI_COMM_WORLD);
-      parameters.read_file(files.path("main.prm"));
+      parameters.read_file(files.path(file));
       for (const std::string &assignment : overrides)
         parameters.add_override(assignment);
       declare(parameters.handler());
@@ -413,6 +415,7 @@ namespace
     const std::string other_type = "subsection Mesh\n set Type = box\n";
     EXPECT_EQ(unused(other_type + "end\n", {}), "(nothing was refused)");
     EXPECT_EQ(unused("", {"Mesh/Type = box"}), "(nothing was refused)");
+    EXPECT_EQ(unused(other_type + "end\n", {}, "outer.prm"), "(nothing was refused)");
     EXPECT_TRUE(contains(unused("", {}), "base.prm:4"));
     EXPECT_TRUE(
         contains(unused(other_type + " subsection cylinder\n  set value = 3\n end\nend\n", {}),
