@@ -156,13 +156,15 @@ namespace tombolo
     const LimitedFunction<dim> &function;
     const NodalVector &initial_position;
     double time;
-    std::optional<double> present{};
+    double present = 0;
+    bool is_evaluated = false;
 
     double operator()(const unsigned int node)
     {
-      if (!present || function.depends_on_position())
+      if (!is_evaluated || function.depends_on_position())
         present = function.value(point_of<dim>(initial_position.node(node)), time);
-      return *present;
+      is_evaluated = true;
+      return present;
     }
   };
 
