@@ -6,7 +6,6 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace tombolo
@@ -60,16 +59,17 @@ namespace tombolo
     inline double largest_difference(const NodalVector &a, const NodalVector &b)
     {
       const unsigned int n_components = std::min(a.n_slots_per_node(), 3u);
-      std::array<double, 2> largest{}; // the second tells that one is not finite
+      double largest = 0, is_infinite = 0;
       for (unsigned int i = 0; i < a.partition()->n_owned(); ++i)
         for (unsigned int d = 0; d < n_components; ++d)
         {
           const double difference = std::abs(a.node(i)[d] - b.node(i)[d]);
-          largest[0] = std::max(largest[0], difference);
-          largest[1] = std::isfinite(difference) ? largest[1] : 1.;
+          largest = std::max(largest, difference);
+          is_infinite = std::isfinite(difference) ? is_infinite : 1.;
         }
-      largest = dealii::Utilities::MPI::max(largest, MPI_COMM_WORLD);
-      return largest[1] > 0. ? std::nan("") : largest[0];
+      const double largest_of_all = dealii::Utilities::MPI::max(largest, MPI_COMM_WORLD);
+      const bool all_are_finite = dealii::Utilities::MPI::max(is_infinite, MPI_COMM_WORLD) == 0.;
+      return all_are_finite ? largest_of_all : std::nan("");
     }
 
     /** The largest component at the nodes of all ranks. */

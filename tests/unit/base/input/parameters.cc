@@ -410,12 +410,12 @@ namespace
       declare(parameters.handler());
       parameters.assign();
       parameters.section("Mesh").get("Type");
-      return message_of([&] { parameters.refuse_unused(); });
+      return input_error([&] { parameters.refuse_unused(); });
     };
     const std::string other_type = "subsection Mesh\n set Type = box\n";
-    EXPECT_EQ(unused(other_type + "end\n", {}), "(nothing was refused)");
-    EXPECT_EQ(unused("", {"Mesh/Type = box"}), "(nothing was refused)");
-    EXPECT_EQ(unused(other_type + "end\n", {}, "outer.prm"), "(nothing was refused)");
+    EXPECT_EQ(unused(other_type + "end\n", {}), "");
+    EXPECT_EQ(unused("", {"Mesh/Type = box"}), "");
+    EXPECT_EQ(unused(other_type + "end\n", {}, "outer.prm"), "");
     EXPECT_TRUE(contains(unused("", {}), "base.prm:4"));
     EXPECT_TRUE(
         contains(unused(other_type + " subsection cylinder\n  set value = 3\n end\nend\n", {}),
