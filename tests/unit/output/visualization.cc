@@ -103,7 +103,7 @@ TEST(Outputs, unknown_output_is_refused_with_the_nearest_name)
   const std::string message =
       input_error([] { mock::OutputsOf<2> outputs("set Further outputs = visualisation\n"); });
   for (const std::string part : {"output.prm:2", "did you mean \"visualization\"?",
-                                 "probes|rigid body history|section history|visualization"})
+                                 "probes, rigid body history, section history, visualization"})
     EXPECT_TRUE(contains(message, part));
 }
 
