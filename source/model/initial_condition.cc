@@ -2,11 +2,9 @@
 #include <tombolo/model/initial_condition.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/format.h>
 #include <tombolo/base/input/name_hints.h>
 #include <tombolo/base/input/read_vector.h>
 #include <tombolo/base/on_ranks.h>
-#include <tombolo/base/symmetric_tensors.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 
@@ -182,29 +180,9 @@ namespace tombolo
       return n_selected;
     }
 
-    /** Refuses a stress at @p point at which the material flows at once: a part of its energy would
-     * vanish in the first step. */
-    template <int dim>
-    void refuse_flow(const Section &section, const InitialCondition<dim> &condition,
-                     const Part<dim> &part, const Point<dim> &point,
-                     const SymmetricComponents &stress)
-    {
-      constexpr double round_off = 1e-6;
-      const double temperature = condition.temperature ? condition.temperature->value(point, 0., 0)
-                                 : part.heat           ? part.heat->initial_temperature()
-                                                       : 0.;
-      const double effective_stress = von_mises_stress(stress.data());
-      const double yield_stress = part.material->slow_yield_stress(0., temperature);
-      if (effective_stress > (1. + round_off) * yield_stress)
-        section.fail("Stress", as_text("its von Mises stress at ", position_text(point), " is ",
-                                       effective_stress, ", and part ", in_quotes(part.name),
-                                       " yields at ", yield_stress, "; allowed is at most that."));
-    }
-
     /** Sets stresses; returns at how many material points of this rank. */
     template <int dim>
-    unsigned long set_at_points(const Section &section, const InitialCondition<dim> &condition,
-                                Model<dim> &model)
+    unsigned long set_at_points(const InitialCondition<dim> &condition, Model<dim> &model)
     {
       unsigned long n_selected = 0;
       for (Part<dim> &part : model.parts)
@@ -217,11 +195,9 @@ namespace tombolo
           if (!is_selected(condition, points[i]))
             continue;
           ++n_selected;
-          SymmetricComponents stress;
           for (unsigned int c = 0; c < 6; ++c)
-            part.formulation->points().component(MaterialPoints::stress, c)[i] = stress[c] =
+            part.formulation->points().component(MaterialPoints::stress, c)[i] =
                 condition.stress->value(points[i], 0., c);
-          refuse_flow(section, condition, part, points[i], stress);
         }
       }
       return n_selected;
@@ -253,7 +229,7 @@ namespace tombolo
             if (condition.velocity || condition.spin || condition.temperature)
               n_selected += set_at_nodes(condition, model);
             if (condition.stress)
-              n_selected += set_at_points(section, condition, model);
+              n_selected += set_at_points(condition, model);
           });
       if (Utilities::MPI::sum(n_selected, model.communicator) == 0)
         section.fail(section.is_set("Where") ? "Where" : "",

@@ -225,6 +225,16 @@ class Warnings(command_line.Case):
             for part in ("left", "right"):
                 self.assertEqual(printed.count(f'Warning: Part "{part}" has a specific heat capacity of '), count, printed)
 
+    def test_an_initial_stress_at_which_the_material_flows(self):
+        plastic = ["set Model = elastic\n  subsection elastic", "set Model = j2 plasticity\n  subsection j2 plasticity\n    set Flow "
+                   "stress = linear hardening\n    subsection linear hardening\n      set Yield stress = %g\n      set Hardening "
+                   "modulus = 0\n    end"]
+        for stress, count in (("0.9", 0), ("1.1", 1)):
+            printed = self.dry_run([plastic[0], plastic[1] % 1], ["set Conditions       = pulse", "set Conditions = pulse\nset "
+                                   "Initial conditions = start"], ["subsection Output", "subsection Initial condition: start\n  "
+                                   "set Stress = 5*x; " + stress + "+5*x; 5*x; 0; 0; 0\nend\nsubsection Output"])
+            self.assertEqual(printed.count("Warning: The von Mises stress at the start is 1.1 at ("), count, printed)
+
     def test_a_yield_stress_above_what_metals_have(self):
         plastic = ["set Model = elastic\n  subsection elastic", "set Model = j2 plasticity\n  subsection j2 plasticity\n    set Flow "
                    "stress = linear hardening\n    subsection linear hardening\n      set Yield stress = %g\n      set Hardening "

@@ -475,7 +475,10 @@ namespace tombolo
     warn_of_conflicts(model, end_time, log);
     warn_of_late_conditions(model, end_time, log);
     if (parameters.section("").get(initial_state_entry).empty())
+    {
+      warn_of_initial_flow(model, log);
       warn_of_idle_contacts(model, end_time, log);
+    }
     if (!at_rest)
       judge_step(model, step_size, parameters, n_steps, log);
     if (ExactSolution<dim>::is_given(parameters.section("Exact solution")))

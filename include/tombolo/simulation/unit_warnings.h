@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/format.h>
 #include <tombolo/base/log.h>
+#include <tombolo/base/symmetric_tensors.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/simulation/short_number.h>
 
 #include <cmath>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace tombolo
 {
@@ -33,6 +37,38 @@ namespace tombolo
                  short_number(compression) + " m/s (P) and " + short_number(shear) +
                  " m/s (S) by `Unit labels`, in solids it is 100 to 10000: are density, modulus, "
                  "length and time in units that belong together?");
+    }
+  }
+
+  /** Warns of initial stresses at which a material flows at once, which takes a part of their
+   * energy in the first step. Collective. */
+  template <int dim>
+  void warn_of_initial_flow(const Model<dim> &model, Log &log)
+  {
+    constexpr double round_off = 1e-6;
+    for (const Part<dim> &part : model.parts)
+    {
+      if (!part.material->can_yield())
+        continue;
+      const MaterialPoints &points = part.formulation->points();
+      const double temperature = part.heat ? part.heat->initial_temperature() : 0.;
+      const double yield_stress = part.material->slow_yield_stress(0., temperature);
+      std::string text;
+      const std::vector<Point<dim>> &positions = part.formulation->initial_point_positions();
+      for (unsigned int i = 0; i < positions.size() && text.empty(); ++i)
+      {
+        SymmetricComponents stress;
+        for (unsigned int c = 0; c < 6; ++c)
+          stress[c] = points.component(MaterialPoints::stress, c)[i];
+        const double effective_stress = von_mises_stress(stress.data());
+        if (effective_stress > (1. + round_off) * yield_stress)
+          text = "The von Mises stress at the start is " + short_number(effective_stress) + " at " +
+                 position_text(positions[i]) + ", but part \"" + part.name + "\" yields at " +
+                 short_number(yield_stress) +
+                 ": it flows at once, and the energy balance lacks what that takes.";
+      }
+      if (const std::string first = first_text(model.communicator, text); !first.empty())
+        log.warn(first);
     }
   }
 
