@@ -171,13 +171,11 @@ namespace tombolo
     constexpr double round_off = 1e-12; // of coordinates
     const NodalState &state = model.state;
     NodalVector position(state.partition(), Quantity::position);
-    double largest_coordinate = 0;
-    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        largest_coordinate =
-            std::max(largest_coordinate, std::abs(state.initial_position.node(i)[d]));
-    const double tolerance =
-        round_off * Utilities::MPI::max(largest_coordinate, model.communicator);
+    const Extent<dim> extent = extent_of<dim>(state.initial_position);
+    double tolerance = 0;
+    for (unsigned int d = 0; d < dim; ++d)
+      tolerance = std::max({tolerance, round_off * std::abs(extent.lowest[d]),
+                            round_off * std::abs(extent.highest[d])});
     Approach nearest;
     for (unsigned int k = 0; k <= n_moments && !nearest.touches; ++k)
     {
