@@ -163,8 +163,8 @@ namespace
     Rows<dim> part(body, true);
     const auto partition = std::make_shared<const NodePartition>(
         model.nodes->owned(), part.rows.required_nodes(), MPI_COMM_WORLD);
-    NodalVector position(partition);
-    position.copy_from(model.state.position);
+    NodalVector position = model.state.position.copy();
+    position.move_to(partition);
     OutwardAreas<dim> areas(*model.nodes, {});
     areas.set_partition(partition);
     areas.update(position);
