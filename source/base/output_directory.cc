@@ -246,12 +246,12 @@ namespace tombolo
           {
             // This scene may write fewer tables and series than the last one.
             for (const char *const name :
-                 {"summary.json",    "solution.pvd",     "tools.pvd",      "cells.xdmf",
-                  "cells.h5",        "particles.xdmf",   "particles.h5",   "tools.xdmf",
-                  "tools.h5",        "statistics.csv",   "conditions.csv", "contact.csv",
-                  "sections.csv",    "rigid_bodies.csv", "parts.csv",      "probes.csv",
-                  "points.csv",      "links.csv",        "specimen.csv",   "histories.h5",
-                  "histories.h5.tmp"})
+                 {"summary.json",     "solution.pvd",     "tools.pvd",      "cells.xdmf",
+                  "cells.h5",         "particles.xdmf",   "particles.h5",   "tools.xdmf",
+                  "tools.h5",         "statistics.csv",   "conditions.csv", "contact.csv",
+                  "sections.csv",     "rigid_bodies.csv", "parts.csv",      "probes.csv",
+                  "points.csv",       "links.csv",        "specimen.csv",   "histories.h5",
+                  "histories.h5.tmp", "refinement.h5.tmp"})
               fs::remove(file(name));
             remove_files("checkpoint", "(step_[0-9]+|end)\\.h5(\\.tmp)?");
             remove_files("solution", "(cells|particles|tools)_[0-9]+(\\.[0-9]+)?\\.p?vtu(\\.tmp)?");

@@ -194,6 +194,17 @@ class Disk(Case):
                     preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY)))
                 self.check_full_disk(code, printed, "file-size limit", "output")
 
+    def test_mesh_that_cannot_be_divided_for_want_of_room_leaves_no_file(self):
+        scene = os.path.join(command_line.SOURCE, "parameter_files", "adaptive_refinement", "pulse.prm")
+        code, printed = self.execute(
+            "--quiet", scene, "--set", "End time = 1", "--set", "Output/Write solution = false",
+            env=dict(os.environ, **server.ALONE),
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (60000, resource.RLIM_INFINITY)))
+        self.assertEqual(code, 2, printed)
+        self.assert_clean(printed)
+        self.assertIn("refinement.h5.tmp cannot be written", printed)
+        self.assertNotIn("refinement.h5.tmp", os.listdir(self.path("output")))
+
     def test_printing_to_a_full_device_or_to_nobody_does_not_end_a_run(self):
         with open("/dev/full", "w") as full:
             self.assertEqual(self.execute("rod.prm", stdout=full)[0], 0)

@@ -117,6 +117,11 @@ namespace tombolo
       throw RunError("The mesh cannot be adapted at time " + format_number(clock.time) + ", step " +
                      std::to_string(clock.step) + ": " + error.what());
     }
+    catch (const std::exception &)
+    {
+      remove();
+      throw;
+    }
     remove();
     log.record("At time " + format_number(clock.time) + ", step " + std::to_string(clock.step) +
                ", the mesh has " +
