@@ -3,6 +3,8 @@
 
 #include <tombolo/base/input/text.h>
 
+#include <algorithm>
+
 namespace tombolo
 {
   template <int dim>
@@ -47,6 +49,8 @@ namespace tombolo
       if (const auto other = switched_by.find(name); other != switched_by.end())
         section.fail("Further outputs",
                      "\"" + name + "\" is switched by " + other->second + ": remove it here");
+      if (std::count(names.begin(), names.end(), name) > 0)
+        section.fail("Further outputs", "\"" + name + "\" stands twice: remove one of them");
       names.push_back(name);
     }
     return names;
