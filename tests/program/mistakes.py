@@ -92,6 +92,8 @@ class Mistakes(command_line.Case):
                 (["set Density         = 100", "set Density           100"], '"set" without "="'),
                 (["Parts            = left, right", "Parts            = left, rigth"], "Part: right"),
                 (["set Parts            = left, right\n", ""], "Part: left"),
+                (["set Conditions       = pulse", "set Conditions       = pulse\nset Processe = foo\n"
+                  "subsection Process: foo\nend"], '"Processe"'),
                 (["set Materials        = steel", "set Materials        = steel, steel"], "stands twice"),
                 (["set Dimension        = 2", "set Dimension        = 4"], "from 2 to 3"),
                 (["  set Type = box", "  set Typ = box"], '"Mesh/Typ"'),

@@ -137,8 +137,7 @@ namespace tombolo
 
   std::string list_of_sections(const std::string &kind)
   {
-    const bool ends_with_hiss =
-        kind.back() == 's' || (kind.size() > 1 && kind.substr(kind.size() - 2) == "sh");
+    const bool ends_with_hiss = boost::ends_with(kind, "s") || boost::ends_with(kind, "sh");
     return kind + (ends_with_hiss ? "es" : "s");
   }
 

@@ -114,7 +114,8 @@ namespace tombolo
       }
       if (i + 1 < names.size() && !repeats)
         return;
-      const std::string list = joined_path(parent->path, name.substr(0, name.find(':')) + "s");
+      const std::string list =
+          joined_path(parent->path, list_of_sections(name.substr(0, name.find(':'))));
       const bool is_listed = declarations().find(list) != nullptr;
       if (!is_listed || !(mistakes.is_meant(list) || mistakes.is_refused(list)))
         mistakes.add(prefix + ": unknown section " + in_quotes(joined_path(parent->path, name)) +
