@@ -229,8 +229,15 @@ class Warnings(command_line.Case):
         plastic = ["set Model = elastic\n  subsection elastic", "set Model = j2 plasticity\n  subsection j2 plasticity\n    set Flow "
                    "stress = linear hardening\n    subsection linear hardening\n      set Yield stress = %g\n      set Hardening "
                    "modulus = 0\n    end"]
-        for stress, count in (("0.9", 0), ("1.1", 2)):  # parts
-            printed = self.dry_run([plastic[0], plastic[1] % 1], ["set Conditions       = pulse", "set Conditions = pulse\nset "
+        hot = plastic[1][:plastic[1].index("linear")] + (
+            "johnson cook\n    set Taylor-Quinney coefficient = 0.9\n    set Specific heat capacity = 1\n    set Initial "
+            "temperature = 800\n    subsection johnson cook\n      set Yield stress = 2\n      set Hardening coefficient = 0\n      "
+            "set Hardening exponent = 1\n      set Rate coefficient = 0\n      set Reference rate = 1\n      set Thermal exponent "
+            "= 1\n      set Reference temperature = 300\n      set Melting temperature = 1300\n    end")
+        # Of the two parts.
+        for material, stress, count in ((plastic[1] % 1, "0.9", 0), (plastic[1] % 1, "1.1", 2),
+                                        (hot, "0.9", 0), (hot, "1.1", 2)):
+            printed = self.dry_run([plastic[0], material], ["set Conditions       = pulse", "set Conditions = pulse\nset "
                                    "Initial conditions = start"], ["subsection Output", "subsection Initial condition: start\n  "
                                    "set Stress = 5*x; " + stress + "+5*x; 5*x; 0; 0; 0\nend\nsubsection Output"])
             self.assertEqual(printed.count("Warning: The von Mises stress at the start is 1.1 at ("), count, printed)

@@ -51,8 +51,8 @@ namespace tombolo
       if (!part.material->can_yield())
         continue;
       const MaterialPoints &points = part.formulation->points();
-      const double temperature = part.heat ? part.heat->initial_temperature() : 0.;
-      const double yield_stress = part.material->slow_yield_stress(0., temperature);
+      const unsigned int field = points.find_field("temperature");
+      const double start = part.heat ? part.heat->initial_temperature() : 0.;
       std::string text;
       const std::vector<Point<dim>> &positions = part.formulation->initial_point_positions();
       for (unsigned int i = 0; i < positions.size() && text.empty(); ++i)
@@ -61,6 +61,9 @@ namespace tombolo
         for (unsigned int c = 0; c < 6; ++c)
           stress[c] = points.component(MaterialPoints::stress, c)[i];
         const double effective_stress = von_mises_stress(stress.data());
+        const double temperature =
+            field < points.fields().size() ? points.component(field, 0)[i] : start;
+        const double yield_stress = part.material->slow_yield_stress(0., temperature);
         if (effective_stress > (1. + round_off) * yield_stress)
           text = "The von Mises stress at the start is " + short_number(effective_stress) + " at " +
                  position_text(positions[i]) + ", but part \"" + part.name + "\" yields at " +
