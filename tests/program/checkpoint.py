@@ -735,6 +735,14 @@ class Interruption(Case):
         self.assertEqual(len(self.checkpoints()), 3)
         self.assertEqual(self.read("output", "log.txt").count("Checkpoint ") > 3, True)
 
+    def test_a_state_at_the_start_of_a_run_that_continues_another_has_the_time_of_its_velocities(self):
+        self.write_small_rod(["set End time         = 0.5", "set End time = 1"])
+        options = ["--quiet", "rod.prm", "--set", "Checkpoint/Wall time interval = 1e-9", "--set", "Checkpoint/Keep = 1000"]
+        self.run_program(*options, "--set", "Checkpoint/End state = true")
+        for state, output in (("output/checkpoint", "second"), ("second/checkpoint/step_000000000000.h5", "third")):
+            self.run_program(*options, "--set", "Initial state = " + state, "--set", "Output directory = " + output)
+        self.assertEqual(self.read("second", "statistics.csv"), self.read("third", "statistics.csv"))
+
     def test_a_run_anew_removes_checkpoints_of_an_earlier_one(self):
         self.write_small_rod(checkpoints="subsection Checkpoint\n  set Step interval = 3\nend\n")
         self.run_program("--quiet", "rod.prm")

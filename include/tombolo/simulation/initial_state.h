@@ -81,7 +81,7 @@ namespace tombolo
         earlier_records.serialize(archive);
         clock.stable_step = earlier.stable_step > 0. ? earlier.stable_step : courant;
         if (!was_at_rest(archive) && !StaticSteps<dim>::are_chosen(parameters))
-          clock.start_lag = 0.5 * earlier.previous_step;
+          clock.start_lag = earlier.velocity_lag();
         for (const auto &process : model.processes)
           process->records.continue_from(archive);
         const double interval = 1e-3 * courant; // short against a step
