@@ -3,6 +3,7 @@
 
 #include <tombolo/base/symmetric_tensors.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -40,7 +41,8 @@ namespace tombolo
    * von Mises stress and the internal variables of material and formulation there. Of points at the
    * same distance the one that comes first by its coordinates is taken. It is searched for in each
    * row, so that it is the one that is there: where cells are divided a point of a child, where
-   * they become particles one of these.
+   * they become particles one of these. Where cells can leave there are the columns of all parts;
+   * those of others than the present one are empty.
    */
   template <int dim>
   class PointHistory : public History<dim>
@@ -64,6 +66,7 @@ namespace tombolo
       if (!view.has_mechanics)
         this->section.fail("Locations", "the scene has no mechanics, and no material points");
       const double largest_cell = largest_cell_diameter(*view.nodes);
+      alike = 1e-9 * largest_cell;
       for (const NamedLocation<dim> &named : locations)
         if (const double distance = nearest(view, named.location).distance; distance > largest_cell)
           this->section.fail(
@@ -96,7 +99,6 @@ namespace tombolo
     Candidate nearest(const OutputView<dim> &view, const Point<dim> &location) const
     {
       const MPI_Comm communicator = view.nodes->communicator();
-      const double alike = 1e-9 * largest_cell_diameter(*view.nodes);
       Candidate best;
       best.rank = Utilities::MPI::this_mpi_process(communicator);
       for (unsigned int p = 0; p < view.parts.size(); ++p)
@@ -117,21 +119,41 @@ namespace tombolo
       return best;
     }
 
+    /** The fields that the next point can have, which is in the part @p present: those of all parts
+     * where cells can leave, in their order, else those of this one. */
+    static std::vector<FieldDescription> fields_next_to(const OutputView<dim> &view,
+                                                        const unsigned int present)
+    {
+      const bool can_change = std::any_of(view.parts.begin(), view.parts.end(),
+                                          [](const OutputPart<dim> &part)
+                                          { return part.formulation->can_lose_cells(); });
+      std::vector<FieldDescription> fields;
+      for (unsigned int p = 0; p < view.parts.size(); ++p)
+        for (const FieldDescription &field : view.parts[p].formulation->points().fields())
+          if ((can_change || p == present) && !field.is_internal &&
+              std::none_of(fields.begin(), fields.end(),
+                           [&](const FieldDescription &other) { return other.name == field.name; }))
+            fields.push_back(field);
+      return fields;
+    }
+
     void add_columns(const OutputView<dim> &view) override
     {
+      const MPI_Comm communicator = view.nodes->communicator();
       for (const NamedLocation<dim> &named : locations)
       {
         const Candidate found = nearest(view, named.location);
         const MaterialPoints &points = view.parts[found.part].formulation->points();
-        const MPI_Comm communicator = view.nodes->communicator();
-        const bool is_here = found.rank == Utilities::MPI::this_mpi_process(communicator);
-        for (unsigned int f = 0; f < points.fields().size(); ++f)
+        const bool is_here = found.rank == Utilities::MPI::this_mpi_process(communicator) &&
+                             found.point < points.size();
+        for (const FieldDescription &field : fields_next_to(view, found.part))
         {
-          const FieldDescription &field = points.fields()[f];
-          if (field.is_internal)
-            continue;
+          const unsigned int f = points.find_field(field.name);
+          const bool has_field = f < points.fields().size();
+          if (!has_field && this->table.is_open())
+            continue; // its columns are there
           std::vector<double> values(field.n_components, 0.);
-          for (unsigned int c = 0; c < field.n_components && is_here; ++c)
+          for (unsigned int c = 0; c < field.n_components && is_here && has_field; ++c)
             values[c] = points.component(f, c)[found.point];
           // One rank has the point: the sum only adds zeros to its values.
           Utilities::MPI::sum(std::vector<double>(values), communicator, values);
@@ -151,6 +173,7 @@ namespace tombolo
     }
 
     std::vector<NamedLocation<dim>> locations;
+    double alike = 0; ///< distances that differ by less are equal [L]
   };
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(Output, PointHistory, "point history",

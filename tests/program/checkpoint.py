@@ -399,7 +399,8 @@ class BitwiseImpacts(BitwiseCase):
     def test_bar_that_fails_by_damage(self):
         for scene in ("ductile_erosion", "ductile_conversion"):
             self.write("bar.prm", f"include {REGRESSION}/{scene}.prm\nset Output directory = output\n"
-                       "set End time = 8e-6\nsubsection Output\n  set Number = 4\nend\n")
+                       "set End time = 8e-6\nsubsection Output\n  set Number = 4\n  subsection point history\n"
+                       "    set Locations = neck: 4.6e-3, 1.5e-3, 1.5e-3\n  end\nend\n")
             self.check_on_ranks("bar.prm", 20, (0.9,), (0.4,))
 
     def test_chip_that_forms(self):
