@@ -45,12 +45,17 @@ namespace tombolo
       return unlimited;
     }
 
-    double free_memory_of_container()
+    double free_memory_of_container(const std::string &directory)
     {
-      double limit = 0, used = 0;
-      if (!(std::ifstream("/sys/fs/cgroup/memory.max") >> limit) ||
-          !(std::ifstream("/sys/fs/cgroup/memory.current") >> used))
+      double limit = 0, used = 0, bytes = 0;
+      if (!(std::ifstream(directory + "/memory.max") >> limit) ||
+          !(std::ifstream(directory + "/memory.current") >> used))
         return unlimited;
+      // Files that were read or written stay in memory as long as nobody needs it.
+      std::ifstream statistics(directory + "/memory.stat");
+      for (std::string name; statistics >> name >> bytes;)
+        if (name == "inactive_file")
+          used -= bytes;
       return std::max(0., limit - used);
     }
 
@@ -66,9 +71,9 @@ namespace tombolo
     }
   } // namespace
 
-  double free_memory()
+  double free_memory(const std::string &container)
   {
     return std::min(
-        {free_memory_of_machine(), free_memory_of_container(), free_memory_of_process()});
+        {free_memory_of_machine(), free_memory_of_container(container), free_memory_of_process()});
   }
 } // namespace tombolo

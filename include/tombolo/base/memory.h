@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
 namespace tombolo
 {
@@ -11,6 +12,6 @@ namespace tombolo
 
   /** The memory [bytes] that this process can still allocate: the least of what the machine has
    * free, what the limit of a container leaves and what that of the process leaves (`ulimit -v`).
-   */
-  double free_memory();
+   * @p container is the directory of the control group (version 2). */
+  double free_memory(const std::string &container = "/sys/fs/cgroup");
 } // namespace tombolo
