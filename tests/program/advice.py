@@ -408,6 +408,14 @@ class Owner(command_line.Case):
                 self.assertEqual(float(rows[-1].split(",")[0]), time)
                 self.assertEqual(json.loads(self.read(directory, stage, "summary.json"))["ended"], "finished")
 
+    def test_a_directory_of_the_command_line_is_that_of_all_stages(self):
+        self.write("chain.prm", run_cases.parameter_text({"file": "bar.prm"}).replace("@OUTPUT@", "output") +
+                   "set Stages = one, two\nsubsection Stage: one\nend\nsubsection Stage: two\n  set Output directory = own\nend\n")
+        for options, first, second in (((), "output/one", "own"), (("--set", "Output directory = given"), "given/one", "given/two")):
+            self.run_program("--quiet", "chain.prm", *options)
+            for directory in (first, second):
+                self.assertTrue(os.path.exists(self.path(directory, "summary.json")), directory)
+
     def test_the_same_file_may_change_and_be_run_again(self):
         self.run_program("--quiet", "rod.prm")
         self.write_rod("rod.prm", "output", ["set Title            = Small rod", "set Title = Changed"])

@@ -125,15 +125,13 @@ namespace tombolo
                                  const std::vector<std::string> &overrides) const
     {
       const std::string entry = "Output directory", &name = stage_names[stage];
-      const ParameterScanner::Item *const own = scanner.entry(stage_prefix + name + "/" + entry);
-      if (own != nullptr)
-        return own->value;
-      const ParameterScanner::Item *const common = scanner.entry(entry);
-      std::string directory = common == nullptr ? "output" : common->value;
+      const auto in_directory = [&](const std::string &directory)
+      { return (directory.empty() ? "output" : directory) + "/" + name; };
       for (const std::string &assignment : overrides)
         if (path_of(assignment) == entry)
-          directory = Utilities::trim(assignment.substr(assignment.find('=') + 1));
-      return directory + "/" + name;
+          return in_directory(Utilities::trim(assignment.substr(assignment.find('=') + 1)));
+      const ParameterScanner::Item *const own = scanner.entry(stage_prefix + name + "/" + entry);
+      return own != nullptr ? own->value : in_directory(value(name, entry));
     }
 
   private:
