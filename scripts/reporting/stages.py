@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """The report of a scene with stages: a page a stage, and one that leads to them."""
 
-import json
 import os
+import re
 from html import escape
 from urllib.parse import quote
 
@@ -15,12 +15,12 @@ def stages_of(directory):
     """The output directories of the stages that left something below the directory, in their order; [] of a single run."""
     if any((directory / name).exists() for name in TRACES):
         return []
-    for file in sorted(directory.glob("*/parameters.json")):
+    for file in sorted(directory.glob("*/original.prm")):
         try:
-            names = json.loads(file.read_text("utf-8")).get("Stages", "")
-        except (ValueError, OSError, AttributeError):
+            found = re.search(r"^\s*set\s+Stages\s*=([^#\n]*)", file.read_text("utf-8"), re.M)
+        except (ValueError, OSError):
             continue
-        stages = [directory / name.strip() for name in str(names).split(",")]
+        stages = [directory / name.strip() for name in (found.group(1) if found else "").split(",")]
         if file.parent in stages:
             return [stage for stage in stages if stage.is_dir() and any((stage / name).exists() for name in TRACES)]
     return []

@@ -127,8 +127,7 @@ class WholeRun(unittest.TestCase):
             scene = Path(temporary)
             for name in ("bend", "release"):
                 make_run.make_run(scene / name)
-                parameters = json.loads((scene / name / "parameters.json").read_text("utf-8"))
-                (scene / name / "parameters.json").write_text(json.dumps({**parameters, "Stages": "bend, release, cool"}), "utf-8")
+                (scene / name / "original.prm").write_text("set Stages = bend, release, cool # of a sheet\n", "utf-8")
             finished = run_module("reporting", scene)
             self.assertEqual(finished.returncode, 0, finished.stderr)
             front = Reader((scene / "report.html").read_text("utf-8"))

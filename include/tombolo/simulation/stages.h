@@ -171,7 +171,8 @@ namespace tombolo
       return !lists_it(stage) && std::any_of(stage_names.begin(), stage_names.end(), lists_it);
     }
 
-    /** Sections and entries of a stage: those of all stages, and after them its own. */
+    /** Sections and entries of a stage: those of all stages, and after them its own. It is one run,
+     * without `Stages`. */
     std::vector<ParameterScanner::Item> items(const std::string &stage) const
     {
       std::vector<ParameterScanner::Item> result, own;
@@ -182,7 +183,7 @@ namespace tombolo
           item.path = item.path.substr(own_prefix.size());
           own.push_back(item);
         }
-        else if (item.path.rfind(stage_prefix, 0) != 0 &&
+        else if (item.path != "Stages" && item.path.rfind(stage_prefix, 0) != 0 &&
                  !is_in_other_stages(stage, item.path.substr(0, item.path.find('/'))))
           result.push_back(item);
       result.insert(result.end(), own.begin(), own.end());
