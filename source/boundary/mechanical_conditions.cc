@@ -27,6 +27,12 @@ namespace tombolo
           rows.push_back({number, d, axes[d]});
     }
 
+    void sort_once_each(std::vector<unsigned int> &nodes)
+    {
+      std::sort(nodes.begin(), nodes.end());
+      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    }
+
     template <int dim>
     double component_along(const Tensor<1, dim> &direction, const double *const vector)
     {
@@ -40,10 +46,9 @@ namespace tombolo
   template <int dim>
   MechanicalConditions<dim>::MechanicalConditions(const std::vector<Section> &sections,
                                                   const Mesh<dim> &mesh, const Nodes<dim> &nodes)
-      : Base(sections, mesh, nodes)
+      : Base(sections, mesh, nodes), nodes_in_volume(sections.size())
   {
-    using Constraint = typename Base::Constraint;
-    std::map<types::global_dof_index, Constraint> constraints_by_node;
+    std::map<types::global_dof_index, typename Base::Constraint> constraints_by_node;
     // By node, component, and the two conditions.
     std::map<std::tuple<types::global_dof_index, unsigned int, unsigned int, unsigned int>,
              Point<dim>>
@@ -55,28 +60,28 @@ namespace tombolo
     }
     NodeRows rows;
     const bool has_rows = std::any_of(conditions.begin(), conditions.end(),
-                                      [](const MechanicalCondition<dim> &condition) {
-                                        return prescribes(condition.type) &&
-                                               (condition.axes.are_local() || condition.is_timed());
-                                      });
+                                      std::mem_fn(&MechanicalCondition<dim>::needs_frames));
     const auto refuse_axis = [&](const unsigned int c, const Point<dim> &point)
     {
-      if (conditions[c].axes.are_defined_at(point))
-        return;
-      sections[c].fail("Axes", as_text("the place (", point,
-                                       ") lies on the axis, from which nothing is radial; `Where` "
-                                       "can leave it out."));
+      if (!conditions[c].axes.are_defined_at(point))
+        sections[c].fail("Axes",
+                         as_text("the place (", point,
+                                 ") lies on the axis, from which nothing is radial; `Where` "
+                                 "can leave it out."));
     };
     const auto select_node =
         [&](const unsigned int c, const types::global_dof_index node, const Point<dim> &point)
     {
       const MechanicalCondition<dim> &condition = conditions[c];
       refuse_axis(c, point);
-      if (!prescribes(condition.type) || !nodes.owned().is_element(node))
+      if (!nodes.owned().is_element(node))
         return;
+      if (!prescribes(condition.type))
+        return nodes_in_volume[c].push_back(
+            static_cast<unsigned int>(nodes.owned().index_within_set(node)));
       if (has_rows)
         add_rows(condition, c, point, rows[node]);
-      Constraint &constraint = Base::constraint_of(node, constraints_by_node);
+      auto &constraint = Base::constraint_of(node, constraints_by_node);
       const int number = static_cast<int>(c);
       for (unsigned int d = 0; d < dim; ++d)
         if (int &other = constraint.condition[d];
@@ -111,6 +116,7 @@ namespace tombolo
                  this->for_each_node(nodes, select_node);
                  nodes.for_each_face(&Base::is_at_boundary, select_face);
                });
+    std::for_each(nodes_in_volume.begin(), nodes_in_volume.end(), sort_once_each);
     for (const auto &[node, constraint] : constraints_by_node)
       constraints.push_back(constraint);
     for (const auto &[key, point] : shared)
@@ -126,11 +132,8 @@ namespace tombolo
       const auto found = rows.find(constraints[k].global_node);
       if (found != rows.end() &&
           std::any_of(found->second.begin(), found->second.end(),
-                      [&](const PrescribedRow<dim> &row)
-                      {
-                        const auto &condition =
-                            conditions[static_cast<unsigned int>(row.condition)];
-                        return condition.axes.are_local() || condition.is_timed();
+                      [&](const PrescribedRow<dim> &row) {
+                        return conditions[static_cast<unsigned int>(row.condition)].needs_frames();
                       }))
         rows_of_nodes.emplace_back(k, std::move(found->second));
     }
@@ -236,13 +239,9 @@ namespace tombolo
   std::vector<unsigned int> MechanicalConditions<dim>::loaded_nodes(const NodalState &state) const
   {
     std::vector<unsigned int> result = areas.owned_nodes(state.partition());
-    for (const MechanicalCondition<dim> &condition : conditions)
-      if (is_on_volume(condition.type))
-        for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-          if (condition.region.contains(point_of<dim>(state.initial_position.node(i))))
-            result.push_back(i);
-    std::sort(result.begin(), result.end());
-    result.erase(std::unique(result.begin(), result.end()), result.end());
+    for (const std::vector<unsigned int> &loaded : nodes_in_volume)
+      result.insert(result.end(), loaded.begin(), loaded.end());
+    sort_once_each(result);
     return result;
   }
 
@@ -329,13 +328,16 @@ namespace tombolo
                                                   const NodalVector &mass, const double time,
                                                   const Put &put) const
   {
-    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+    const std::vector<unsigned int> &nodes = nodes_in_volume[c];
+    const bool depends_on_position =
+        conditions[c].function->depends_on_position() || conditions[c].axes.depend_on_position();
+    Tensor<1, dim> load;
+    for (std::size_t k = 0; k < nodes.size(); ++k)
     {
-      const Point<dim> initial = point_of<dim>(state.initial_position.node(i));
-      if (!conditions[c].region.contains(initial))
-        continue;
+      const unsigned int i = nodes[k];
+      if (k == 0 || depends_on_position)
+        load = conditions[c].load_at(point_of<dim>(state.initial_position.node(i)), time);
       double force[3] = {0, 0, 0};
-      const Tensor<1, dim> load = conditions[c].load_at(initial, time);
       for (unsigned int d = 0; d < dim; ++d)
         force[d] = *mass.node(i) * load[d];
       put(i, force);

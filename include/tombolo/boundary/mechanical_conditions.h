@@ -86,6 +86,12 @@ namespace tombolo
       return std::isfinite(start) || std::isfinite(end);
     }
 
+    /** Whether it prescribes motion along axes of its own, or at some times only. */
+    bool needs_frames() const
+    {
+      return prescribes(type) && (axes.are_local() || is_timed());
+    }
+
     /** Declares the section of one condition; the handler is in it. */
     static void declare_parameters(const Entries &e);
 
@@ -236,6 +242,8 @@ namespace tombolo
       PrescribedFrame<dim> frame;
     };
 
+    /** By condition: owned nodes on which one of the volume acts, local numbers, ascending. */
+    std::vector<std::vector<unsigned int>> nodes_in_volume;
     mutable NodalVector loads_alone; ///< of one condition; only where they are requested
     std::vector<Overlap> overlapping;
     std::vector<bool> acting; ///< by condition
