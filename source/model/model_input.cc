@@ -351,8 +351,11 @@ namespace tombolo
     for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
       parameters.attempt(
           [&] { has_radiation = validate_condition<dim>(section, physics) || has_radiation; });
+    // By name and number processes would find others than the parts that the file has.
+    const std::vector<Part<dim>> none;
+    const auto &known_parts = parts.size() == part_sections.size() ? parts : none;
     for (const ProcessKind<dim> *const kind : ProcessKinds<dim>::instance().all())
-      parameters.attempt([&] { kind->validate(parameters, parts); });
+      parameters.attempt([&] { kind->validate(parameters, known_parts); });
     validate_initial_conditions(parameters, physics);
     if (has_radiation && are_complete)
       parameters.attempt([&] { check_initial_temperatures(parameters); });

@@ -275,7 +275,8 @@ namespace tombolo
     /** Declares entries and sections. */
     virtual void declare_parameters(Parameters &) const {}
 
-    /** Checks what can be checked without a mesh. Throws InputError. */
+    /** Checks what can be checked without a mesh. There are no parts where one of the file has no
+     * material: nothing is missing then. Throws InputError. */
     virtual void validate(const Parameters &, const std::vector<Part<dim>> &) const {}
 
     /** Prepares parts that have no mesh yet. Throws InputError. */

@@ -183,7 +183,7 @@ namespace tombolo
     {
       const Section section = parameters.section(damping_section);
       read(section);
-      if (section.is_set(factor_entry) &&
+      if (section.is_set(factor_entry) && !parts.empty() &&
           std::none_of(parts.begin(), parts.end(),
                        [](const Part<dim> &part) { return part.material->has_mechanics(); }))
         section.fail(factor_entry, "the scene has no mechanics, since its materials have no "

@@ -351,6 +351,8 @@ namespace tombolo
 
     static void validate(const Parameters &parameters, const std::vector<Part<dim>> &parts)
     {
+      if (parts.empty()) // nothing can be checked
+        return;
       bool has_mechanics = false, has_heat = false;
       for (const Part<dim> &part : parts)
       {

@@ -548,7 +548,7 @@ namespace tombolo
                     const std::vector<Part<dim>> &parts) const override
       {
         bool has_mechanics = parts.empty(),
-             has_heat = false; // without parts nothing can be checked
+             has_heat = parts.empty(); // without parts nothing can be checked
         for (const Part<dim> &part : parts)
         {
           has_mechanics = has_mechanics || has_motion(part);

@@ -366,6 +366,8 @@ namespace tombolo
 
     static void validate(const Parameters &parameters, const std::vector<Part<dim>> &parts)
     {
+      if (parts.empty()) // nothing can be checked
+        return;
       for (const Section &section : named_sections(parameters, sections_list, "Section"))
       {
         BodySection<dim>(section, parts);
