@@ -8,6 +8,7 @@
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
+#include <tombolo/model/moving_parts.h>
 #include <tombolo/model/tangent.h>
 #include <tombolo/physics/mechanics/contact_columns.h>
 #include <tombolo/physics/mechanics/named_parts.h>
@@ -356,7 +357,7 @@ namespace tombolo
       bool has_mechanics = false, has_heat = false;
       for (const Part<dim> &part : parts)
       {
-        has_mechanics = has_mechanics || part.material->has_mechanics();
+        has_mechanics = has_mechanics || has_motion(part);
         has_heat = has_heat || part.heat != nullptr;
       }
       for (const Section &section : named_sections(parameters, "Body contacts", "Body contact"))
