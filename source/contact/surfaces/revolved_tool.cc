@@ -172,6 +172,8 @@ namespace tombolo
                        const double time, std::vector<double> &gap) const override
     {
       gap.resize(nodes.size());
+      // The angle at which motion() fails where only some ranks have nodes that touch.
+      this->angle(time);
       const Tensor<1, dim> origin = this->origin(time), along = axis_at(time);
       for (std::size_t k = 0; k < nodes.size(); ++k)
       {
