@@ -4,6 +4,7 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/expression.h>
+#include <tombolo/base/on_ranks.h>
 #include <tombolo/formulations/smoothed/refill_settings.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/remesh/cell_simplices.h>
@@ -24,7 +25,7 @@ namespace tombolo
    * The motion of the mesh to whose nodes refills move those of the part (`Refill motion`): a
    * displacement as a function of initial position and time, such as that of a tool, which fades
    * out towards nodes that stay. Material flows through a mesh that moves. Without it the mesh
-   * stays where it was at the start.
+   * stays where it was at the start. Where it has no value on one rank all throw a RunError.
    */
   template <int dim>
   class LatticeMotion
@@ -57,11 +58,11 @@ namespace tombolo
     {
       std::vector<typename SubCells<dim>::Corners> result;
       std::string problem;
-      for (const SmoothedCell<dim> &cell : cells)
+      const auto add = [&](const SmoothedCell<dim> &cell)
       {
         result.push_back(cell.corners);
         if (!is_on())
-          continue;
+          return;
         for (dealii::Point<dim> &corner : result.back())
           corner += at(corner, time);
         const auto volumes = CellSimplices<dim>::volumes(result.back());
@@ -70,7 +71,9 @@ namespace tombolo
           problem = as_text("at t = ", time, " it turns a cell of the mesh over, which is around (",
                             cell.centre(), ") at the start.");
         }
-      }
+      };
+      attempt_on_all_ranks<RunError>(communicator,
+                                     [&] { std::for_each(cells.begin(), cells.end(), add); });
       if (const std::string first = first_text(communicator, problem); !first.empty())
         settings.refuse(first, "Refill motion");
       return result;
@@ -83,8 +86,12 @@ namespace tombolo
       double result = 0;
       if (!is_on())
         return result;
-      for (const SmoothedCell<dim> &cell : cells)
-        result = std::max(result, largest_way(cell, time));
+      attempt_on_all_ranks<RunError>(communicator,
+                                     [&]
+                                     {
+                                       for (const SmoothedCell<dim> &cell : cells)
+                                         result = std::max(result, largest_way(cell, time));
+                                     });
       return dealii::Utilities::MPI::max(result, communicator);
     }
 
@@ -98,14 +105,20 @@ namespace tombolo
         return;
       bool is_far = !distorted.empty();
       std::vector<unsigned int> moved, all;
-      for (unsigned int c = 0; c < cells.size(); ++c)
+      const auto examine = [&](const unsigned int c)
       {
         const auto &corners = cells[c].corners;
         const double cell_way = largest_way(cells[c], time);
         is_far = is_far || cell_way > far * corners[0].distance(corners[1]);
         if (cell_way > 0.)
           moved.push_back(c);
-      }
+      };
+      attempt_on_all_ranks<RunError>(communicator,
+                                     [&]
+                                     {
+                                       for (unsigned int c = 0; c < cells.size(); ++c)
+                                         examine(c);
+                                     });
       if (dealii::Utilities::MPI::max(is_far ? 1 : 0, communicator) == 0)
         return;
       std::set_union(distorted.begin(), distorted.end(), moved.begin(), moved.end(),
@@ -153,13 +166,23 @@ namespace tombolo
     NodalVector move(const NodalVector &initial, const NodalVector &from, const Way &way) const
     {
       NodalVector result = from.copy();
-      result.fill(
-          [&](const unsigned int i, double *const coordinates)
-          {
-            const dealii::Tensor<1, dim> node_way = way(point_of<dim>(initial.node(i)));
-            for (unsigned int d = 0; d < dim && is_on(); ++d)
-              coordinates[d] += node_way[d];
-          });
+      const auto move_node = [&](const unsigned int i)
+      {
+        const dealii::Tensor<1, dim> node_way = way(point_of<dim>(initial.node(i)));
+        for (unsigned int d = 0; d < dim && is_on(); ++d)
+          result.node(i)[d] += node_way[d];
+      };
+      change_owned({&result},
+                   [&]
+                   {
+                     attempt_on_all_ranks<RunError>(from.partition()->communicator(),
+                                                    [&]
+                                                    {
+                                                      for (unsigned int i = 0;
+                                                           i < from.partition()->n_owned(); ++i)
+                                                        move_node(i);
+                                                    });
+                   });
       return result;
     }
 
