@@ -253,6 +253,15 @@ namespace tombolo
           use(node);
     }
 
+    /** Adds the nodal forces of those that follow the acceleration to @p total at owned nodes. */
+    void add_late_forces(NodalVector &total) const
+    {
+      for (const Action &action : all)
+        for (std::size_t k = 0; action.is_late && k < action.node_forces.nodes.size(); ++k)
+          for (unsigned int d = 0; d < 3; ++d)
+            total.node(action.node_forces.nodes[k])[d] += action.node_forces.forces[k][d];
+    }
+
     void account(EnergyAccounts &accounts) const;
     void account_heat(EnergyAccounts &accounts) const;
 

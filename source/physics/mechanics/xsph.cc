@@ -62,8 +62,15 @@ namespace tombolo
       other_force.copy_from(force);
     }
 
-    void constrain_acceleration(const Model<dim> &, const Clock &, NodalState &state) override
+    void constrain_acceleration(const Model<dim> &model, const Clock &, NodalState &state) override
     {
+      // Forces of processes before this one that followed the acceleration depend on velocities.
+      for (const auto &process : model.processes)
+      {
+        if (process.get() == this)
+          break;
+        process->actions.add_late_forces(other_force);
+      }
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
         for (unsigned int d = 0; d < dim; ++d)
         {
