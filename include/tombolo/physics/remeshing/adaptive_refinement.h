@@ -255,7 +255,7 @@ namespace tombolo
       const int coarsest_level = levels_of_file(model).first;
       CellDivisions divided;
       unsigned int finest = 0, finest_next = 0;
-      std::map<std::uint64_t, unsigned int> n_joinable; // children of a parent
+      std::vector<Joinable> cells;
       for_cells(model,
                 [&](const auto &cell, const auto &)
                 {
@@ -266,26 +266,21 @@ namespace tombolo
                       std::binary_search(file_divisions.begin(), file_divisions.end(),
                                          parent_of<dim>(id));
                   finest = std::max(finest, level);
-                  if (is_fine[number] && level < most_levels)
+                  const bool is_divided = is_fine[number] && level < most_levels;
+                  if (is_divided)
                   {
                     divided.push_back(id);
                     finest_next = std::max(finest_next, level + 1);
                   }
-                  else if (!is_fine[number] && !is_of_file && coarsen_below &&
-                           values[number] < *coarsen_below)
-                    ++n_joinable[parent_of<dim>(id)];
+                  cells.push_back({parent_of<dim>(id), cell->level(), is_divided,
+                                   !is_fine[number] && !is_of_file && coarsen_below &&
+                                       values[number] < *coarsen_below});
                   ++number;
                 });
-      // Siblings are on one rank.
-      CellDivisions joined;
-      for (const auto &[parent, n] : n_joinable)
-        if (n == dealii::GeometryInfo<dim>::max_children_per_cell)
-          joined.push_back(parent);
 
       CellDivisions all = divided_cells(model.mesh);
       const CellDivisions present = all;
-      CellDivisions removed = from_all_ranks(joined, model.communicator);
-      std::sort(removed.begin(), removed.end());
+      const CellDivisions removed = joined_parents(model, std::move(cells));
       all.erase(std::remove_if(all.begin(), all.end(),
                                [&](const std::uint64_t id)
                                { return std::binary_search(removed.begin(), removed.end(), id); }),
@@ -303,6 +298,60 @@ namespace tombolo
             model.communicator);
       return NextMesh{all, dealii::Utilities::MPI::max(finest_next, model.communicator) >
                                dealii::Utilities::MPI::max(finest, model.communicator)};
+    }
+
+    /** A cell of for_cells() where cells are joined. */
+    struct Joinable
+    {
+      std::uint64_t parent;
+      int level;
+      bool is_divided, can_be_joined;
+    };
+
+    /** The parents of all ranks whose children can be joined, all of them: not where a neighbour of
+     * the parent would be two levels below it, for which the parent would be divided again. The
+     * same on all ranks. Collective. */
+    CellDivisions joined_parents(const Model<dim> &model, std::vector<Joinable> cells) const
+    {
+      int finest = 0; // level of cells that can be joined
+      std::map<std::uint64_t, unsigned int> n_joinable;
+      for (const Joinable &cell : cells)
+        if (cell.can_be_joined)
+        {
+          finest = std::max(finest, cell.level);
+          ++n_joinable[cell.parent];
+        }
+      // Siblings are on one rank.
+      for (Joinable &cell : cells)
+        cell.can_be_joined =
+            cell.can_be_joined &&
+            n_joinable[cell.parent] == dealii::GeometryInfo<dim>::max_children_per_cell;
+      finest = dealii::Utilities::MPI::max(finest, model.communicator);
+      std::vector<std::vector<unsigned int>> nodes;
+      if (finest > 0)
+        for_cells(model, [&](const auto &, const std::vector<unsigned int> &cell_nodes)
+                  { nodes.push_back(cell_nodes); });
+      // Smaller cells first: where these are joined, larger ones can be.
+      for (int level = finest; level > 0; --level)
+      {
+        std::vector<bool> is_smaller;
+        for (const Joinable &cell : cells)
+          is_smaller.push_back(
+              cell.level + (cell.is_divided ? 1 : 0) - (cell.can_be_joined ? 1 : 0) > level);
+        const NodalVector marks = CellMarks::nodes_of(model.state.partition(), nodes, is_smaller);
+        for (std::size_t c = 0; c < cells.size(); ++c)
+          if (cells[c].level == level && CellMarks::any_marked(nodes[c], marks))
+            n_joinable[cells[c].parent] = 0;
+        for (Joinable &cell : cells)
+          cell.can_be_joined = cell.can_be_joined && n_joinable[cell.parent] > 0;
+      }
+      CellDivisions result;
+      for (const auto &[parent, n] : n_joinable)
+        if (n == dealii::GeometryInfo<dim>::max_children_per_cell)
+          result.push_back(parent);
+      result = from_all_ranks(result, model.communicator);
+      std::sort(result.begin(), result.end());
+      return result;
     }
 
     /** Whether each cell of for_cells() is to be fine: by the criterion, or near such a cell.
