@@ -47,7 +47,7 @@ namespace tombolo
 
     std::vector<FieldDescription> internal_variables() const override
     {
-      return {{"plastic work", "M/(L T^2)", FieldLocation::material_point, 1, true}};
+      return {energy_field("plastic work")};
     }
 
     double plastic_heat_fraction() const override

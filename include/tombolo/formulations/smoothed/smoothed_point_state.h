@@ -12,8 +12,9 @@ namespace tombolo
   /**
    * The state of the points of a part of smoothed cells for a remap, by components that are values
    * per mass: first the stress, then J and the internal variables, all fields but the volume.
-   * Works, which are stored per initial volume, and heat that a point gave, are divided by the mass
-   * of the point, so that their sums stay. Refers to the part.
+   * What is held when cells are divided, energies per initial volume, and what belongs to the whole
+   * point then, heat that it gave, are divided by the mass of the point, so that their sums stay.
+   * Refers to the part.
    */
   template <int dim>
   class SmoothedPointState
@@ -27,13 +28,11 @@ namespace tombolo
       for (unsigned int f = 0; f < points.fields().size(); ++f)
       {
         const FieldDescription &field = points.fields()[f];
-        const bool is_work =
-            field.name.size() >= 4 && field.name.compare(field.name.size() - 4, 4, "work") == 0;
+        const Measure measure = field.on_division == OnDivision::held     ? Measure::initial_volume
+                                : field.on_division == OnDivision::shared ? Measure::point
+                                                                          : Measure::none;
         for (unsigned int c = 0; c < field.n_components && f != MaterialPoints::volume; ++c)
-          components.push_back({points.component(f, c), is_work ? Measure::initial_volume
-                                                        : field.name == PlasticHeating::given_name
-                                                            ? Measure::point
-                                                            : Measure::none});
+          components.push_back({points.component(f, c), measure});
       }
     }
 
