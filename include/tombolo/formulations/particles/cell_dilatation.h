@@ -154,6 +154,7 @@ namespace tombolo
     /** Finds F_c and J_c at these positions (current ghosts). */
     void find(const NodalVector &position)
     {
+      pressure.fill(0.); // an evaluation that failed has left its sums
       const unsigned int n_cells = cells.n_particles();
       alignas(64) double deformation_columns[n_lanes][3][node_stride] = {};
       alignas(64) double det[n_lanes];

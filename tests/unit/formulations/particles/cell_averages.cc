@@ -7,6 +7,7 @@
 
 #include <tombolo/formulations/particles/patch_test.h>
 #include <tombolo/model/tangent.h>
+#include <tombolo/model/trial.h>
 #include <tombolo/physics/mechanics/surface_damping.h>
 
 #include <gtest/gtest.h>
@@ -187,6 +188,48 @@ TEST(CellAverages, the_estimate_of_the_stable_step_is_the_limit)
     EXPECT_GE(limit, 0.9999 * estimate);
     EXPECT_LE(limit, 1.05 * estimate);
   }
+}
+
+TEST(CellAverages, an_evaluation_that_fails_leaves_nothing_to_the_next)
+{
+  Block block = disordered(2, "particles", "none\nset Dilatation = of cells");
+  block.cells = {16, 10}; // more than a block of particles on each rank
+  const FrozenBody<2> body(block);
+  Model<2> &model = *body.model;
+  Stencils &shape = model.parts[0].particles->stencils();
+  const NodalVector rest(model.state.partition());
+  const auto force_at = [&](const NodalVector &position)
+  {
+    const Trial<2> trial(model); // undone at its end
+    shape.inverse_deformation_is_current = false;
+    NodalVector force(model.state.partition());
+    model.parts[0].formulation->add_internal_force({&position, &rest, 1.}, force);
+    return force;
+  };
+  NodalVector squeezed = model.state.initial_position.copy();
+  for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
+    for (unsigned int d = 0; d < 2; ++d)
+      squeezed.node(i)[d] *= 0.99;
+  const NodalVector before = force_at(squeezed);
+
+  // The last particle is turned inside out.
+  NodalVector folded = squeezed.copy();
+  const Stencils::Row row = shape.row(shape.n_particles() - 1);
+  const double own = squeezed.node(shape.particle_node.back())[1];
+  for (unsigned int k = 0; k < row.size; ++k)
+    folded.node(row.neighbour[k])[1] = 2. * own - squeezed.node(row.neighbour[k])[1];
+  EXPECT_THROW(static_cast<void>(force_at(folded)), RunError);
+
+  const NodalVector after = force_at(squeezed);
+  double difference = 0, size = 0;
+  for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
+    for (unsigned int d = 0; d < 2; ++d)
+    {
+      difference = std::max(difference, std::abs(after.node(i)[d] - before.node(i)[d]));
+      size = std::max(size, std::abs(before.node(i)[d]));
+    }
+  EXPECT_GT(size, 0.);
+  EXPECT_LE(difference, 1e-12 * size);
 }
 
 TEST(SurfaceDamping, takes_energy_but_no_momentum_and_leaves_rigid_motion_alone)
