@@ -72,11 +72,14 @@ namespace tombolo
     }
 
     /** Formulation::add_internal_force() of the other cells of a part. */
-    void add_rest_of(const std::size_t part, const MechanicalInput &input, NodalVector &force) const
+    void add_rest_of(const std::size_t part, const MechanicalInput &input,
+                     const typename StepGroups<dim>::Evaluation &evaluate, NodalVector &force) const
     {
+      // Each has a failure of its own, which those after it do not know.
       for (const Cells &cells : late)
         if (cells.part == part)
-          cells.grouped_cells->add_force_of_group(input, cells.batches, force);
+          evaluate(part,
+                   [&] { cells.grouped_cells->add_force_of_group(input, cells.batches, force); });
     }
 
   private:

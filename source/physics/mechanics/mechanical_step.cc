@@ -191,14 +191,12 @@ namespace tombolo
       const MechanicalInput input{&model.state.position, &velocity, clock.previous_step,
                                   temperature};
       model.signals.part_force(number, force, false);
-      evaluate(number,
-               [&]
-               {
-                 if (forces_while_waiting.are_in(number))
-                   forces_while_waiting.add_rest_of(number, input, force);
-                 else
-                   model.step_groups.add_internal_force(number, *part.formulation, input, force);
-               });
+      if (forces_while_waiting.are_in(number))
+        forces_while_waiting.add_rest_of(number, input, evaluate, force);
+      else
+        evaluate(
+            number,
+            [&] { model.step_groups.add_internal_force(number, *part.formulation, input, force); });
       model.signals.part_force(number, force, true);
     };
     assembly.assemble(*model.bridge, model.state.velocity, model.state.force, add, true);
