@@ -189,6 +189,8 @@ namespace tombolo
       {
         if (!is_named(condition, part))
           continue;
+        if (part.particles == nullptr && part.formulation->n_cells() == 0)
+          continue; // the points that it has here are of no cell
         const std::vector<Point<dim>> &points = part.formulation->initial_point_positions();
         for (unsigned int i = 0; i < points.size(); ++i)
         {
