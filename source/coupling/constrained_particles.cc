@@ -168,6 +168,17 @@ namespace tombolo
       smoothed.update_ghosts();
   }
 
+  void ConstrainedParticles::set_prescribed(const NodalVector &prescribed,
+                                            NodalVector &vector) const
+  {
+    for (const ConstrainedParticle &particle : rank_particles)
+      for (unsigned int c = 0; c < 3; ++c)
+        if (is_prescribed(particle, c))
+          vector.node(particle.node)[c] = prescribed.node(particle.node)[c];
+    if (are_anywhere)
+      vector.update_ghosts();
+  }
+
   void ConstrainedParticles::restore(NodalVector &rate, const NodalVector &prescribed,
                                      const NodalVector &v_hat, const NodalVector &position,
                                      const double time_step)

@@ -43,8 +43,11 @@ namespace tombolo
     const double velocity_step = clock.velocity_step();
     if (is_global())
     {
+      const ConstrainedParticles &constrained = bridge.get_constrained_particles();
       bridge.apply_adjoint(state.acceleration, rate);
+      constrained.set_prescribed(state.acceleration, rate);
       bridge.apply_smoothing(rate, field);
+      constrained.set_prescribed(state.acceleration, field);
       for (const unsigned int node : nodes)
         store_node(load_node(state.velocity.node(node)) +
                        load_node(field.node(node)) * velocity_step,

@@ -68,6 +68,10 @@ namespace tombolo
      * Collective. */
     void keep_velocity(const NodalVector &unsmoothed, NodalVector &smoothed);
 
+    /** Sets prescribed components of @p vector to those of @p prescribed, and updates its ghosts.
+     * Books nothing. Collective. */
+    void set_prescribed(const NodalVector &prescribed, NodalVector &vector) const;
+
     /** Sets @p rate of v̂ to @p prescribed at prescribed components, and adds what the difference
      * does over @p time_step to the reaction; @p position is that which v̂ moves. */
     void restore(NodalVector &rate, const NodalVector &prescribed, const NodalVector &v_hat,

@@ -3,6 +3,7 @@
 #include "model_scene.h"
 
 #include <tombolo/coupling/position_response.h>
+#include <tombolo/physics/mechanics/mechanical_step.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -10,6 +11,7 @@
 
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -18,7 +20,7 @@ using namespace tombolo;
 namespace
 {
   /** A disordered block, elements to the left and particles to the right. */
-  std::unique_ptr<Model<3>> block(const std::string &smoothing)
+  std::unique_ptr<Model<3>> block(const std::string &smoothing, const std::string &conditions = "")
   {
     return tombolo::testing::make_model<3>(
         "set Dimension = 3\nset Parts = a, b\nset Materials = m\n"
@@ -32,7 +34,8 @@ namespace
         smoothing +
         "\nend\nend\n"
         "subsection Material: m\nset Model = elastic\nsubsection elastic\nset Density = 2\n"
-        "set Young's modulus = 3\nset Poisson's ratio = 0.3\nend\nend\n");
+        "set Young's modulus = 3\nset Poisson's ratio = 0.3\nend\nend\n" +
+        conditions);
   }
 
   /** Nodes below a height. */
@@ -121,6 +124,34 @@ namespace
       position_response.begin_step(model->state.partition());
       position_response.keep_nodes();
     }
+  }
+
+  TEST_P(PositionResponseTest, predicts_the_positions_of_the_step_where_components_are_prescribed)
+  {
+    const auto held =
+        block(GetParam(), "set Conditions = drive\nsubsection Condition: drive\nset Type = "
+                          "velocity\nset Where = x > 0.9 && z < 0.5\n"
+                          "set Function = 0.1; free; 0.2\nend\n");
+    NodalState &state = held->state;
+    std::vector<unsigned int> all(state.partition()->n_owned());
+    std::iota(all.begin(), all.end(), 0u);
+    state.unsmoothed_velocity.copy_from(loads_at(all, *held, 1.));
+    held->conditions->prescribe_initial_velocity(state, 0., 1e-3);
+    held->bridge->smooth_velocity(state);
+    Clock clock;
+    clock.next_step = 0.1;
+    state.acceleration.copy_from(loads_at(all, *held, 2.));
+    held->conditions->prescribe_acceleration(state, 0., clock.velocity_step(), clock.next_step);
+    state.acceleration.distribute();
+
+    NodalVector predicted(state.partition());
+    PositionResponse position_response(*held->bridge);
+    position_response.begin_step(state.partition());
+    position_response.predict(state, clock, all, predicted);
+    CentralDifferences<3>().advance(*held, clock);
+    for (const unsigned int node : all)
+      for (unsigned int d = 0; d < 3; ++d)
+        EXPECT_NEAR(predicted.node(node)[d], state.position.node(node)[d], 1e-13);
   }
 
   INSTANTIATE_TEST_SUITE_P(Smoothings, PositionResponseTest,
