@@ -244,6 +244,7 @@ def draw_field(results, field, times, magnify, path, cut=None, limits=None, fram
     if camera.axes:
         for label, set_label in zip(camera.axes, (figure.supxlabel, figure.supylabel)):
             set_label(heading(label, results.units.label("L")), fontsize=9)
-    figure.colorbar(ScalarMappable(norm, colours), ax=plots, label=field.label(results.units),
+    grids = [grid for time in times for grid in results.grids_at(time).values()]
+    figure.colorbar(ScalarMappable(norm, colours), ax=plots, label=field.label(grids),
                     shrink=0.9, aspect=30, pad=0.02)
     return style.save(figure, path)

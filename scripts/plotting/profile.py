@@ -103,6 +103,6 @@ def draw_profiles(results, field, axis, times, path):
         handles, names = plot.get_legend_handles_labels()
         labels.update(zip(names, handles))
     figure.supxlabel(heading("initial " + AXES[axis], results.units.label("L")), fontsize=9)
-    figure.supylabel(field.label(results.units), fontsize=9)
+    figure.supylabel(field.label(first), fontsize=9)
     style.legend_above(figure, labels)
     return style.save(figure, path)

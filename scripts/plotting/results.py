@@ -14,28 +14,7 @@ from tombolo.table import Table, heading
 TENSOR_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")  # the order of VTK
 AXES = ("x", "y", "z")
 
-# Units of the fields that have one, in terms of length, mass and time, as in the headers of a run.
-FIELD_UNITS = {
-    "initial position": "L",
-    "displacement": "L",
-    "velocity": "L/T",
-    "unsmoothed velocity": "L/T",
-    "stress": "M/(L T^2)",
-    "pressure": "M/(L T^2)",
-    "von Mises stress": "M/(L T^2)",
-    "exact stress": "M/(L T^2)",
-    "principal stress 1": "M/(L T^2)",
-    "principal stress 2": "M/(L T^2)",
-    "principal stress 3": "M/(L T^2)",
-    "contact force": "M L/T^2",
-    "reaction": "M L/T^2",
-    "density": "M/L^3",
-    "temperature": "K",
-    "nodal temperature": "K",
-}
-
-UNIT_QUANTITIES = {"L": "length", "M": "mass", "T": "time", "K": "temperature", "L/T": "velocity",
-                   "M/(L T^2)": "stress", "M L/T^2": "force", "M/L^3": "density"}
+UNIT_QUANTITIES = {"L": "length", "M": "mass", "T": "time", "M L/T^2": "force"}
 
 
 PlotError = TomboloError
@@ -58,9 +37,10 @@ class Field:
     def file_name(self):
         return re.sub(r"[^A-Za-z0-9]+", "_", self.text).strip("_")
 
-    def label(self, units):
-        unit = FIELD_UNITS.get(self.array, "")
-        return heading(self.text, units.label(unit) if unit else "")
+    def label(self, grids):
+        """With the unit that the array has in one of the grids."""
+        return heading(self.text, next((grid.units[self.array] for grid in grids
+                                        if self.array in grid.units), ""))
 
     def of(self, values):
         """One number per row of an array."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy
 from plotting.fields import outer_faces
 from plotting.particle_shapes import particle_shapes
-from plotting.results import AXES, FIELD_UNITS, Field, Grid, PlotError
+from plotting.results import AXES, Field, Grid, PlotError
 
 from . import units
 from .probe import fatal_items
@@ -138,9 +138,7 @@ class Bodies:
 
     def described(self, text):
         array = Field(text).array
-        unit = self.grid_units.get(array)
-        if unit is None:
-            unit = self.run.results.units.label(FIELD_UNITS[array]) if array in FIELD_UNITS else ""
+        unit = self.grid_units.get(array, "")
         colours = ("RdBu_r" if Field(text).is_signed else "plasma" if array.endswith("temperature") else "viridis")
         title = FIELD_TITLES.get(text, text)
         return ShownField(text, title[:1].upper() + title[1:], unit, colours)

@@ -300,8 +300,15 @@ class PlotTest(unittest.TestCase):
         self.assertEqual(list(table.columns), ["time", "step", "tip displacement x",
                                                "middle, left velocity x"])
         self.assertEqual(table.units["tip displacement x"], "mm")
-        self.assertEqual(results.Units({"length": "mm"}).label("M/(L T^2)"), "M/(mm T^2)")
-        self.assertEqual(results.Units({"stress": "GPa"}).label("M/(L T^2)"), "GPa")
+        self.assertEqual(results.Units({"length": "mm"}).label("M L/T^2"), "M mm/T^2")
+        self.assertEqual(results.Units({"force": "kN"}).label("M L/T^2"), "kN")
+
+    def test_a_field_has_the_unit_of_its_array_in_the_files(self):
+        class Files:
+            units = {"state of the plug-in": "GPa"}
+
+        self.assertEqual(results.Field("state of the plug-in xx").label([Files]), "state of the plug-in xx [GPa]")
+        self.assertEqual(results.Field("damage").label([Files]), "damage")
 
 
 if __name__ == "__main__":
