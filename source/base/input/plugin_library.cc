@@ -6,10 +6,13 @@
 #include <tombolo/base/input/text.h>
 
 #include <dlfcn.h>
+#include <elf.h>
+#include <link.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -87,13 +90,22 @@ namespace tombolo
       return dladdr(&here, &info) != 0 ? files::path(info.dli_fname).parent_path() : files::path();
     }
 
-    /** The headers that a library was built with (cmake/plugin_headers.cc); empty if it has
-     * none. */
-    std::string headers_of(const std::string &library)
+    /** Whether a file ends before the table of its sections, which is the last in it: the system's
+     * loader would crash. */
+    bool ends_early(const std::string &content)
+    {
+      ElfW(Ehdr) header;
+      if (content.size() < sizeof header || content.compare(0, SELFMAG, ELFMAG) != 0)
+        return false; // the loader says what it is not
+      std::memcpy(&header, content.data(), sizeof header);
+      return content.size() < header.e_shoff + std::size_t(header.e_shnum) * header.e_shentsize;
+    }
+
+    /** The headers that a library was built with (cmake/plugin_headers.cc), by its content; empty
+     * if it has none. */
+    std::string headers_of(const std::string &content)
     {
       const std::string mark = "tombolo plug-in with headers ";
-      std::ifstream file(library, std::ios::binary);
-      const std::string content{std::istreambuf_iterator<char>(file), {}};
       const std::size_t position = content.find(mark);
       return position == std::string::npos
                  ? ""
@@ -121,7 +133,11 @@ namespace tombolo
       }
       // An absolute path: dlopen would search a bare name in the directories of the system.
       const std::string absolute = files::absolute(*path, error).string();
-      const std::string headers = headers_of(absolute);
+      std::ifstream file(absolute, std::ios::binary);
+      const std::string content{std::istreambuf_iterator<char>(file), {}};
+      if (ends_early(content))
+        return "the library ends early: it was not built or copied to its end.";
+      const std::string headers = headers_of(content);
       if (!headers.empty() && headers != present_headers())
         return "the library was built with other headers of Tombolo than this program, with which "
                "it "

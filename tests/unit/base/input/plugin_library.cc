@@ -71,27 +71,38 @@ namespace
     EXPECT_TRUE(contains(loading("libincomplete_material.so"), "function_that_nothing_defines"));
   }
 
-  /** A copy of a library with the mark of other headers. Returns its name. */
-  std::string library_of_other_headers(const std::string &original)
+  std::string content_of(const std::string &library)
   {
-    std::ifstream file(directory() + "/" + original, std::ios::binary);
-    std::string content{std::istreambuf_iterator<char>(file), {}};
-    const std::size_t position = content.find(present_headers());
-    EXPECT_NE(position, std::string::npos);
-    content[position] = content[position] == '0' ? '1' : '0';
-    const std::string name =
-        "stale_" + std::to_string(dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD)) +
-        "_of_" + std::to_string(dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD)) + ".so";
+    std::ifstream file(directory() + "/" + library, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  /** How a library of this content is refused. Collective. */
+  std::string loading_content(const std::string &kind, const std::string &content)
+  {
+    using namespace dealii::Utilities::MPI;
+    const std::string name = kind + "_" + std::to_string(this_mpi_process(MPI_COMM_WORLD)) +
+                             "_of_" + std::to_string(n_mpi_processes(MPI_COMM_WORLD)) + ".so";
     std::ofstream(directory() + "/" + name, std::ios::binary) << content;
-    return name;
+    MPI_Barrier(MPI_COMM_WORLD);
+    return loading(broadcast(MPI_COMM_WORLD, name));
   }
 
   TEST(PluginLibrary, library_of_other_headers_is_refused_before_anything_in_it_runs)
   {
-    const std::string name = library_of_other_headers("libexiting_material.so");
-    MPI_Barrier(MPI_COMM_WORLD);
-    EXPECT_TRUE(contains(loading(dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, name)),
+    std::string content = content_of("libexiting_material.so");
+    const std::size_t position = content.find(present_headers());
+    ASSERT_NE(position, std::string::npos);
+    content[position] = content[position] == '0' ? '1' : '0';
+    EXPECT_TRUE(contains(loading_content("stale", content),
                          "was built with other headers of Tombolo than this program"));
+  }
+
+  TEST(PluginLibrary, library_that_ends_early_is_refused_before_the_loader_crashes)
+  {
+    const std::string content = content_of("libtwin_material.so");
+    EXPECT_TRUE(contains(loading_content("cut", content.substr(0, content.size() / 2)),
+                         "the library ends early"));
   }
 
   TEST(PluginLibrary, library_that_throws_or_leaves_while_it_loads_ends_in_words)
