@@ -132,8 +132,12 @@ namespace tombolo
     catch (const std::exception &error)
     {
       print_message(std::string("Error (unexpected): ") + error.what());
-      MPI_Abort(MPI_COMM_WORLD, 3);
-      return 3;
     }
+    catch (...) // of a plug-in
+    {
+      print_message("Error (unexpected): what was thrown is no exception, and has no message.");
+    }
+    MPI_Abort(MPI_COMM_WORLD, 3);
+    return 3;
   }
 } // namespace tombolo
