@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/model_input.h>
 
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/name_hints.h>
 #include <tombolo/boundary/mechanical_conditions.h>
 #include <tombolo/boundary/thermal_conditions.h>
@@ -10,12 +11,15 @@
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/moving_parts.h>
+#include <tombolo/state/material_points.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace tombolo
@@ -107,14 +111,57 @@ namespace tombolo
 
   using Materials = std::map<std::string, std::shared_ptr<Material>>;
 
+  namespace
+  {
+    /** Refuses a material, such as a plug-in, that nothing can compute with. Throws InputError. */
+    void check_material(const Section &section, const Material &material)
+    {
+      const auto require =
+          [&](const bool is_allowed, const std::string &is, const std::string &allowed)
+      {
+        if (!is_allowed)
+          section.fail("Model", "the material has " + is + "; allowed is " + allowed + ".");
+      };
+      const auto require_number =
+          [&](const double value, const std::string &name, const double smallest)
+      {
+        require(value >= smallest && std::isfinite(value),
+                "a " + name + " of " + format_number(value), "a finite number above zero");
+      };
+      constexpr double above_zero = std::numeric_limits<double>::min();
+      require_number(material.density(), "density", above_zero);
+      if (material.has_mechanics())
+      {
+        require_number(material.bulk_modulus(), "bulk modulus", above_zero);
+        require_number(material.shear_modulus(), "shear modulus", 0.);
+      }
+      MaterialPoints points;
+      points.reinit(0, material.internal_variables());
+      std::set<std::string> names;
+      for (const FieldDescription &field : points.fields())
+      {
+        const unsigned int n = field.n_components;
+        require(!field.name.empty() && names.insert(field.name).second,
+                "a variable " + in_quotes(field.name), "a name that no other field has");
+        require(field.location == FieldLocation::material_point &&
+                    (n == 6 || (!field.turns && (n == 1 || n == 3 || n == 9))),
+                "a variable " + in_quotes(field.name) + " of " + std::to_string(n) + " components",
+                "one of 1, 3, 6 or 9 at material points, and of 6 if it turns");
+      }
+    }
+  } // namespace
+
   Materials create_materials(const Parameters &parameters)
   {
     Materials materials;
     for (const std::string &name : section_names(parameters, "Materials"))
       parameters.attempt(
-          [&] {
-            materials[name] =
-                create_selected<Material>(parameters.section("Material: " + name), "Model");
+          [&]
+          {
+            const Section section = parameters.section("Material: " + name);
+            auto material = create_selected<Material>(section, "Model");
+            check_material(section, *material);
+            materials[name] = std::move(material);
           });
     return materials;
   }
