@@ -349,6 +349,8 @@ namespace tombolo
           last.energy = energy_balance();
           check_energy_balance(*model, last.energy, run_clock, largest_energy_error, step_size);
         }
+        else if (statics) // energies of the largest load, which few steps can put in and take out
+          last.energy = energy_balance();
         if (start)
           seconds.output.add_since(*start);
       }
