@@ -29,7 +29,8 @@ namespace tombolo
       const double rate = std::pow(residuals.back() / residuals[residuals.size() - 1 - n],
                                    1. / static_cast<double>(n));
       if (!(rate < slow))
-        return "The residual does not fall any more: more iterations do not help.";
+        return "The residual does not fall any more: more iterations do not help; where bodies "
+               "touch, a smaller `Contact stiffness` (section Statics) may.";
       const double more = std::ceil(std::log(tolerance / residuals.back()) / std::log(rate));
       return "At the rate of the last " + std::to_string(n) + " iterations some " +
              format_number(static_cast<double>(residuals.size() - 1) + more) +

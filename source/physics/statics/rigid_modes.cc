@@ -157,7 +157,7 @@ namespace tombolo
         text << "the body around (" << sums[1] / sums[0];
         for (unsigned int d = 1; d < dim; ++d)
           text << ", " << sums[1 + d] / sums[0];
-        text << ") can " << joined(free, ", ");
+        text << "), which can " << joined(free, ", ");
         result += (result.empty() ? "" : "; ") + text.str();
       }
       return result;

@@ -79,8 +79,8 @@ namespace tombolo
   }
 
   /**
-   * The rigid motions of the bodies of a mesh that nothing holds, in words: "the body with a node
-   * at (0, 0, 0) can move along x and turn about z". Empty where all are held. @p constrained is
+   * The rigid motions of the bodies of a mesh that nothing holds, in words: "the body around
+   * (0, 0, 0), which can move along x, turn about z". Empty where all are held. @p constrained is
    * one at components that are held, of owned nodes; @p contacts hold along their normal where they
    * touch. Each body is checked with its partners at rest, then all that touch as one body.
    * Collective.

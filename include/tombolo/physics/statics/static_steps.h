@@ -404,20 +404,29 @@ namespace tombolo
     [[noreturn]] void give_up(const StaticInterval &interval, const StaticSolution &solution,
                               const std::string &worst_node) const
     {
+      // Without a residual the forces were not found, and the report says why.
+      const std::string forces =
+          solution.residual == 0.
+              ? ""
+              : as_text("the forces that are not in equilibrium are still ", solution.residual,
+                        " of the scale of forces (allowed ", settings.tolerance,
+                        "), the largest at ", worst_node, ". By iteration: ");
+      const std::string advice = solution.advice + (solution.advice.empty() ? "" : " ");
+      const std::string end = solution.report.back() == '.' ? " " : ". ";
+      if (interval.is_start)
+        throw RunError("The " + settings.name +
+                       " step to the equilibrium of the start did not "
+                       "converge: " +
+                       forces + solution.report + end + advice +
+                       "This step is not divided: what acts, or is gone, from the start on can "
+                       "come in a run (or stage) before, over time; supports may help, too.");
       throw RunError(as_text(
           "The ", settings.name, " step ", interval.step, " from time ", interval.begin, " to ",
-          interval.end, " did not converge: the forces that are not in equilibrium ", "are still ",
-          solution.residual, " of the scale of forces (allowed ", settings.tolerance,
-          "), the largest at ", worst_node, ". By iteration: ", solution.report,
-          ". The state of time ", interval.begin,
-          " is the last one in equilibrium, and outputs up to it are complete. ", solution.advice,
-          (solution.advice.empty() ? "" : " "),
-          (interval.is_start
-               ? "This step is that to the equilibrium of the start, which is not divided: what "
-                 "acts, or is gone, from the start on can come in a run (or stage) before, over "
-                 "time; supports may help, too."
-               : "Loads that grow more slowly, a smaller `Smallest step` (section Statics), or "
-                 "supports may help, too.")));
+          interval.end, " did not converge: ", forces, solution.report, end, "The state of time ",
+          interval.begin, " is the last one in equilibrium, and outputs up to it are complete. ",
+          advice,
+          "Loads that grow more slowly, a smaller `Smallest step` (section Statics), or supports "
+          "may help, too."));
     }
 
     Model<dim> &model;
