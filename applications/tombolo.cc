@@ -272,8 +272,16 @@ namespace
       for (std::size_t stage = 0; stage < n_stages; ++stage)
       {
         const auto parameters = parameters_of(stages, stage, command_line);
-        parameters->raw("Dimension", "3") == "2" ? validate<2>(*parameters)
-                                                 : validate<3>(*parameters);
+        try
+        {
+          parameters->raw("Dimension", "3") == "2" ? validate<2>(*parameters)
+                                                   : validate<3>(*parameters);
+        }
+        catch (const InputError &error)
+        {
+          throw InputError(std::string(error.what()) + " (Stage \"" + stages.names()[stage] +
+                           "\".)");
+        }
         if (!resumes && !command_line.has("--overwrite"))
           refuse_unfinished_run(*parameters);
       }

@@ -185,7 +185,10 @@ namespace tombolo
         }
         else if (item.path != "Stages" && item.path.rfind(stage_prefix, 0) != 0 &&
                  !is_in_other_stages(stage, item.path.substr(0, item.path.find('/'))))
+        {
+          ++item.location.depth; // as if the stage included them: another choice leaves them alone
           result.push_back(item);
+        }
       result.insert(result.end(), own.begin(), own.end());
       return result;
     }
