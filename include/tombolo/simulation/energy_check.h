@@ -114,6 +114,10 @@ namespace tombolo
     std::vector<std::string> sentences;
     for (const auto &process : model.processes)
       process->observed.warnings(clock, Process<dim>::Occasion::energy_lost, sentences);
+    // A step beyond the limit explains all the rest.
+    if (step_size.largest() > 0. &&
+        std::max(clock.previous_step, clock.next_step) > spectral_limit(model))
+      sentences.clear();
     std::string reason;
     for (const std::string &sentence : sentences)
       reason += (reason.empty() ? "" : " ") + sentence;
