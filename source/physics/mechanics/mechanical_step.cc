@@ -231,13 +231,13 @@ namespace tombolo
       const double *const a = state.acceleration.node(i);
       if (std::isfinite(a[0] + a[1] + a[2]))
         continue;
-      const double *const x = state.position.node(i);
-      const double *const start = state.initial_position.node(i);
+      const auto place = [i](const NodalVector &position)
+      { return position_text(vector_of<dim>(position.node(i))); };
       failures.note(
           as_text("The acceleration of node ", model.nodes->persistent_ids()[std::size_t(i)],
-                  " is not finite at time ", clock.time, ", step ", clock.step, ". It is at (",
-                  x[0], ", ", x[1], ", ", x[2], "), initially at (", start[0], ", ", start[1], ", ",
-                  start[2], "). A smaller time step, or another formulation there, may help."));
+                  " is not finite at time ", clock.time, ", step ", clock.step, ". It is at ",
+                  place(state.position), ", initially at ", place(state.initial_position),
+                  ". A smaller time step, or another formulation there, may help."));
       return;
     }
   }

@@ -156,14 +156,13 @@ namespace tombolo
         if (!all_of(det > 0.))
           for (unsigned int lane = 0; lane < n_lanes && p + lane < n; ++lane)
             if (!(det[lane] > 0.))
-            {
-              const double *const x = node(position, shape.particle_node[first + p + lane]);
               throw RunError(
-                  as_text("the particle at (", x[0], ", ", x[1], ", ", x[2],
-                          ") is turned inside out: the determinant of its deformation since the "
+                  as_text("the particle at ",
+                          position_text(vector_of<dim>(
+                              node(position, shape.particle_node[first + p + lane]))),
+                          " is turned inside out: the determinant of its deformation since the "
                           "kernel's reference is ",
                           det[lane], "."));
-            }
       }
     }
 

@@ -368,12 +368,10 @@ namespace tombolo
       for (unsigned int i = 0; i < heat.state.enthalpy.partition()->n_owned() && failure.empty();
            ++i)
         if (!std::isfinite(*heat.state.next_unsmoothed_temperature.node(i)))
-        {
-          const double *const x = model.state.position.node(i);
           failure = as_text("The temperature of node ", model.nodes->persistent_ids()[i],
-                            " is not finite at time ", next_time, ". It is at (", x[0], ", ", x[1],
-                            ", ", x[2], "). A smaller thermal step may help.");
-        }
+                            " is not finite at time ", next_time, ". It is at ",
+                            position_text(vector_of<dim>(model.state.position.node(i))),
+                            ". A smaller thermal step may help.");
       throw_on_all_ranks<RunError>(failure, model.communicator);
     }
 
