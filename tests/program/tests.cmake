@@ -1,6 +1,6 @@
 # The program as its users see it: what it says to bad input, its command line, what it leaves behind.
 foreach(cases bad_entries bad_model bad_mesh bad_run bad_contact bad_bodies bad_heat bad_scaling bad_statics large_strains
-    bad_meshes bad_rigid)
+    bad_meshes bad_rigid fast_bodies)
   foreach(rank_count 1 2)
     add_test(NAME program.${cases}_is_refused.mpirun=${rank_count}
       COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/run_cases.py

@@ -17,7 +17,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <iomanip>
 #include <iterator>
+#include <limits>
 #include <ostream>
 #include <utility>
 #include <vector>
@@ -225,6 +228,50 @@ namespace tombolo
         result.push_back(std::move(stiffness));
       }
     }
+    /** A sentence where the sides of a contact move so fast against each other that its springs may
+     * give way until faces are too deep to be seen; otherwise empty. Collective. */
+    template <int dim>
+    std::string text_of_speed(const MortarContact<dim> &contact, const NodalVector &velocity,
+                              const double stable_step)
+    {
+      double thinnest = std::numeric_limits<double>::max();
+      // For each side the largest components, and the largest of the opposite ones.
+      std::vector<double> bounds(4 * dim, std::numeric_limits<double>::lowest());
+      double *bound = bounds.data();
+      for (const auto *const side : {&contact.slave_faces(), &contact.master_faces()})
+      {
+        for (const auto &face : side->faces())
+          thinnest = std::min(thinnest, face.thickness);
+        for (unsigned int d = 0; d < dim; ++d, bound += 2)
+          for (const unsigned int node : side->owned_nodes())
+          {
+            bound[0] = std::max(bound[0], velocity.node(node)[d]);
+            bound[1] = std::max(bound[1], -velocity.node(node)[d]);
+          }
+      }
+      const MPI_Comm communicator = velocity.partition()->communicator();
+      thinnest = Utilities::MPI::min(thinnest, communicator);
+      Utilities::MPI::max(bounds, communicator, bounds);
+      double squared = 0;
+      for (unsigned int k = 0; k < 2 * dim; k += 2)
+      {
+        const double component = // below zero where a side has lost all of its faces
+            std::max(
+                {0., bounds[k] + bounds[k + 1 + 2 * dim], bounds[k + 1] + bounds[k + 2 * dim]});
+        squared += component * component;
+      }
+      const double stiffness = contact.contact_settings().stiffness;
+      const double share = std::sqrt(squared / stiffness) * stable_step / thinnest;
+      constexpr double largest_share = 0.3; // bodies push on behind the cells at the surface
+      if (!(share > largest_share))
+        return "";
+      return as_text(std::setprecision(3), "Body contact \"", contact.name(),
+                     "\": its sides move against each other with a speed of up to ",
+                     std::sqrt(squared), ", at which its springs give way by ", share,
+                     " of the thinnest cell and more. Faces much deeper do not see each other, so "
+                     "that bodies may pass through each other. A larger `Stiffness` than ",
+                     stiffness, " helps.");
+    }
   } // namespace
 
   /**
@@ -423,6 +470,20 @@ namespace tombolo
               if (contact->is_tied())
                 text << "  contact \"" << contact->name()
                      << "\": " << text_of_tie(*contact, model.state.initial_position) << "\n";
+          });
+      this->observed.warnings.connect(
+          [this, &model, has_warned = std::vector<bool>(members.size())](
+              const Clock &clock, const auto occasion, std::vector<std::string> &result) mutable
+          {
+            for (std::size_t k = 0; k < members.size(); ++k)
+              if (occasion == Process<dim>::Occasion::row && !has_warned[k] &&
+                  !members[k]->is_tied())
+                if (auto text = text_of_speed(*members[k], model.state.velocity, clock.stable_step);
+                    !text.empty())
+                {
+                  has_warned[k] = true;
+                  result.push_back(std::move(text));
+                }
           });
       for (const auto &contact : members)
         this->observed.object(*contact);

@@ -308,8 +308,11 @@ namespace tombolo
               text << "  contact \"" << contact->name() << "\": " << description << "\n";
         });
     this->observed.warnings.connect(
-        [this, &model](const Clock &clock, const auto occasion, std::vector<std::string> &result)
+        [this, &model, has_warned = std::vector<bool>(members.size())](
+            const Clock &clock, const auto occasion, std::vector<std::string> &result) mutable
         {
+          if (occasion == Process<dim>::Occasion::row)
+            ContactNodes<dim>(model).add_depth_warnings(members, has_warned, result);
           for (const auto &contact : members)
             if (occasion == Process<dim>::Occasion::audit)
               for (const std::string &remark : contact->contact_surface().remarks())

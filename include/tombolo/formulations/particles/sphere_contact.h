@@ -156,6 +156,13 @@ namespace tombolo
       return sum;
     }
 
+    /** The largest speed so far at which two spheres that overlap approached each other, over ω and
+     * the sum of their radii: what a spring of ω alone gives way by. On this rank. */
+    double fastest_approach() const
+    {
+      return fastest;
+    }
+
     /** Whether any particles rub or conduct. */
     bool rubs() const
     {
@@ -311,6 +318,7 @@ namespace tombolo
         }
         const auto other_law = static_cast<unsigned int>(other_sphere[law_of_sphere]);
         const auto [frequency, damping] = laws[own_law * pairing.parts().size() + other_law];
+        fastest = std::max(fastest, approach / (frequency * reach));
         const double reduced =
             sphere[mass] * other_sphere[mass] / (sphere[mass] + other_sphere[mass]);
         const double spring = reduced * frequency * frequency;
@@ -351,6 +359,7 @@ namespace tombolo
     std::vector<Columns> columns;                    // by part, in this step
     NodalVector spheres;                             // radius, mass, area, law
     NodalVector positions, velocities;               // with ghosts and images, where there are any
+    double fastest = 0;                              // see fastest_approach()
     std::unique_ptr<FragmentFriction<dim>> friction; // null: nothing rubs or conducts
   };
 } // namespace tombolo

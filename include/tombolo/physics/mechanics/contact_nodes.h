@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/format.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/formulations/failure/bonds.h>
@@ -9,10 +10,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -159,6 +162,35 @@ namespace tombolo
               std::pow(speed_factor * speed, 2))
             fast.insert(node);
       return ordered_sum(static_cast<double>(fast.size()), model.communicator);
+    }
+
+    /** Warns, once for each contact, where its springs give way by more than the spacing of the
+     * nodes that touch, the largest of them. Collective. */
+    void add_depth_warnings(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
+                            std::vector<bool> &has_warned, std::vector<std::string> &warnings) const
+    {
+      for (std::size_t k = 0; k < contacts.size(); ++k)
+      {
+        const SurfaceContact<dim> &contact = *contacts[k];
+        // A kinematic contact, which limits no step, has no springs.
+        if (has_warned[k] || contact.stable_fraction() == 1.)
+          continue;
+        const double depth = contact.balance(model.communicator).penetration;
+        if (!(depth > 0.))
+          continue;
+        const std::vector<double> volume = volume_of_nodes();
+        double largest = 0;
+        for (const unsigned int node : contact.nodes_in_contact())
+          largest = std::max(largest, volume[node]);
+        const double spacing = std::pow(Utilities::MPI::max(largest, model.communicator), 1. / dim);
+        has_warned[k] = depth > spacing;
+        if (has_warned[k])
+          warnings.push_back(
+              as_text(std::setprecision(3), "Contact \"", contact.name(), "\": nodes are ", depth,
+                      " deep in its surface, ", depth / spacing,
+                      " of the spacing there, since its springs give way. A larger `Stiffness`, or "
+                      "`Method = kinematic`, holds them."));
+      }
     }
 
   private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/format.h>
 #include <tombolo/formulations/particles/self_contact.h>
 #include <tombolo/formulations/particles/sphere_contact.h>
 #include <tombolo/model/model.h>
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <iomanip>
 #include <memory>
 #include <string>
 #include <vector>
@@ -50,6 +52,12 @@ namespace tombolo
                                   contact.counts().n_touching, model.communicator));
                             });
       this->observed.result("fragments", [=] { return n_fragments(); });
+      this->observed.warnings.connect(
+          [this](const Clock &clock, const auto occasion, std::vector<std::string> &warnings)
+          {
+            if (occasion == Process<dim>::Occasion::row)
+              warn_of_speed(clock, warnings);
+          });
       if (!contact.rubs() || !model.heat)
         return;
       heat = &this->actions.add_heat("heat of fragments", "self-contact friction heat");
@@ -112,8 +120,26 @@ namespace tombolo
                      "that version.");
     }
 
+    /** Once, where particles have met so fast that their springs cannot stop them before their
+     * centres are nearer than one of two radii: from there on rows of particles pass through each
+     * other. Collective. */
+    void warn_of_speed(const Clock &clock, std::vector<std::string> &warnings)
+    {
+      constexpr double largest = 0.5;
+      const double fastest = Utilities::MPI::max(contact.fastest_approach(), model.communicator);
+      if (has_warned || !(fastest > largest))
+        return;
+      has_warned = true;
+      warnings.push_back(as_text(
+          std::setprecision(3), "Until t = ", clock.time, " fragments have met ", fastest / largest,
+          " times as fast as the springs between their particles can stop them, and may pass "
+          "through each other. A `Self-contact stiffness` ",
+          fastest * fastest / (largest * largest), " times as large stops them."));
+    }
+
     const Model<dim> &model;
     unsigned long revision_of_cells;
+    bool has_warned = false; // of their speed
     SphereContact<dim> contact;
     Action &forces;
     HeatAction *heat = nullptr; // null where nothing heats
