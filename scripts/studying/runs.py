@@ -54,6 +54,17 @@ def as_file_name(text):
     return re.sub(r"[^A-Za-z0-9.=+-]", "_", text)[:150]
 
 
+def digests_of_files(file, settings):
+    """Those of meshes, tables and other files that entries name, by the whole value or a word of it, beside the parameter
+    files or in the working directory."""
+    values = [value for value, _ in file.entries.values()] + [setting.partition("=")[2].strip() for setting in settings]
+    words = {word for value in values for word in (value, *re.split(r"[\s,;()]+", value)) if "." in word}
+    directories = {"", *(os.path.dirname(where) for _, where in file.entries.values()), os.path.dirname(file.path)}
+    for path in sorted({os.path.join(directory, word) for directory in directories for word in words}):
+        if os.path.isfile(path):
+            yield f"{path} {hashlib.sha256(Path(path).read_bytes()).hexdigest()}\n"
+
+
 def make_runs(study):
     files, runs, names = {}, [], set()
 
@@ -89,7 +100,7 @@ def make_runs(study):
             name += "_"
         names.add(name)
         run = Run(choice, label, name, base_file, settings)
-        run.key = file_of(base_file).text
+        run.key = file_of(base_file).text + "".join(digests_of_files(file_of(base_file), settings))
         runs.append(run)
     return runs
 

@@ -87,6 +87,12 @@ FORMER_NAMES = {"Knobs": "Factors", "Members at a time": "Runs at a time", "Erro
                 "Search/Measures": "Search/Quantities of interest", "Error/Reference member": "Error/Reference run"}
 
 
+def values_of(text, separator):
+    """The parts between single separators: `||` and `&&` are of expressions."""
+    mark = re.escape(separator)
+    return [part.strip() for part in re.split(f"(?<!{mark}){mark}(?!{mark})", text)]
+
+
 @dataclass
 class Factor:
     """What is varied: [(label, texts of the entries), ...]."""
@@ -184,21 +190,21 @@ class StudySettings(DescribedFile):
         if any(not entry or entries.count(entry) > 1 for entry in entries):
             self.fail(path + "Entries", "an entry is missing, or named twice")
         values = []
-        for text in parts_of(self.get(path + "Values"), "|"):
+        for text in values_of(self.get(path + "Values"), "|"):
             numbers = self.range_of(path + "Values", text)
             if numbers and len(entries) > 1:
                 self.fail(path + "Values", f"a range has one number a value, but the factor sets {len(entries)} entries")
             values += [(number, [number]) for number in numbers]
             if numbers:
                 continue
-            texts = [text] if len(entries) == 1 else parts_of(text, "&")
+            texts = [text] if len(entries) == 1 else values_of(text, "&")
             if len(texts) != len(entries):
                 self.fail(path + "Values", f'the value "{text}" has {len(texts)} texts for {len(entries)} entries; they are '
                           "joined by &")
             values.append((texts[0], texts))
         has_labels = bool(self.get(path + "Labels"))
         if has_labels:
-            labels = parts_of(self.get(path + "Labels"), "|")
+            labels = values_of(self.get(path + "Labels"), "|")
             if len(labels) != len(values):
                 self.fail(path + "Labels", f"there are {len(labels)} labels for {len(values)} values")
             values = [(label, texts) for label, (_, texts) in zip(labels, values)]

@@ -93,6 +93,25 @@ def check_behaviours(checker):
     checker.expect(len(calls) == 12, f"with another program all run again: {len(calls)}")
 
 
+def check_files(checker):
+    """Meshes and tables that the entries name are of the run."""
+    base, table = checker.directory / "scene.prm", checker.directory / "load.csv"
+    base.write_text("set Function = 2*table(load.csv, t); 0\n" + (HERE / "base.prm").read_text())
+    options = ("--set", f"Base file = {base}", "--set", "Factor: behaviour/Values = good")
+    for text, n_calls in (("0, 1", 2), ("0, 1", 0), ("0, 2", 2)):
+        table.write_text(text)
+        _, _, calls = checker.run("behaviours.prm", "files", *options)
+        checker.expect(len(calls) == n_calls, f"with the table {text} {n_calls} runs are made, not {len(calls)}")
+
+
+def check_values(checker):
+    """Operators of expressions separate no values."""
+    code, text, _ = checker.run("behaviours.prm", "listed", "--list", "--set", "Factor: behaviour/Values = x < 1 || x > 2|all",
+                                "--set", "Factor: x/Values = x > 1 && x < 2 & 1 | 2 & 1")
+    checker.expect(code == 0 and "behaviour = x < 1 || x > 2, x = x > 1 && x < 2" in text and len(text.splitlines()) == 4,
+                   f"values with operators: ({code}) {text}")
+
+
 def check_measurement(checker):
     options = ("--set", "Factor: behaviour/Values = good", "--set",
                "Error/Quantities of interest = measured.json/sum", "--set", "Error/References = 1")
@@ -263,8 +282,8 @@ def check_refusals(checker):
 
 def main():
     checker = Checker(sys.argv[1])
-    for check in (check_behaviours, check_measurement, check_hangs, check_search, check_least, check_interruption,
-                  check_former_names, check_refusals):
+    for check in (check_behaviours, check_files, check_values, check_measurement, check_hangs, check_search, check_least,
+                  check_interruption, check_former_names, check_refusals):
         check(checker)
     for problem in checker.problems:
         print(problem)
