@@ -143,11 +143,11 @@ namespace tombolo
       if (first_smoothed == nullptr)
         smoothing = part_smoothing;
       else if (part_smoothing.is_active && !(smoothing == part_smoothing))
-        part_sections[p].fail("Formulation",
-                              "the particles of all parts of a scene are smoothed alike, since one "
-                              "operator smooths them all, or not at all, "
-                              "but those of part \"" +
-                                  first_smoothed->name + "\" differ");
+        part_sections[p].fail(
+            "Formulation", "the particles of all parts of a scene are smoothed alike (`Smoothing`, "
+                           "`Smallest smoothed mass`), since one operator smooths them all, or "
+                           "not at all (`none`), but those of part \"" +
+                               first_smoothed->name + "\" differ");
       if (first_smoothed == nullptr && part_smoothing.is_active)
         first_smoothed = &part;
     }

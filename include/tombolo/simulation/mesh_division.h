@@ -115,7 +115,8 @@ namespace tombolo
     {
       remove();
       throw RunError("The mesh cannot be adapted at time " + format_number(clock.time) + ", step " +
-                     std::to_string(clock.step) + ": " + error.what());
+                     std::to_string(clock.step) + ": " + error.what() +
+                     " `Where` in section \"Mesh/Adaptive refinement\" keeps cells as they are.");
     }
     catch (const std::exception &)
     {

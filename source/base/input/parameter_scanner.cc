@@ -359,9 +359,11 @@ namespace tombolo
     const auto [first, is_new] = file.section_lines.emplace(path, location.line);
     if (!is_new)
     {
-      refuse_line(location, "subsection " + in_quotes(path) + " stands twice, here and at " +
-                                to_string({file.name, first->second}) +
-                                ". Put their entries into one.");
+      refuse_line(location,
+                  "subsection " + in_quotes(path) + " stands twice, here and at " +
+                      to_string(first->second != 0 ? SourceLocation{file.name, first->second}
+                                                   : section_locations.at(path)) +
+                      ". Put their entries into one.");
       first->second = 0; // its entries are not reported as duplicates
     }
     section_locations.emplace(path, location);
