@@ -236,6 +236,20 @@ namespace tombolo
                  "deform.");
   }
 
+  /** Warns of particles that move at the nodes of elements of a higher degree. */
+  template <int dim>
+  void warn_of_degree(const Model<dim> &model, Log &log)
+  {
+    for (const Part<dim> &part : model.parts)
+      if (model.nodes->degree() > 1 && part.particles != nullptr && part.material->has_mechanics())
+        log.warn(
+            "The particles of part \"" + part.name + "\" are the nodes of cells of degree " +
+            std::to_string(model.nodes->degree()) +
+            ", and carry waves badly: the stress of a pulse in a coupled rod "
+            "erred by 20 % with degree 2, by 71 % with degree 3 and by 1 % with degree 1. Take "
+            "elements of degree 1.");
+  }
+
   /** Judges the safety factor, or a step that is given. Collective. */
   template <int dim>
   void judge_step(const Model<dim> &model, const StepSize<dim> &step_size,
@@ -468,7 +482,10 @@ namespace tombolo
       return;
     const bool at_rest = StaticSteps<dim>::are_chosen(parameters);
     if (!at_rest)
+    {
       warn_of_wave_speeds(model, labels, log);
+      warn_of_degree(model, log);
+    }
     warn_of_yield_stresses(model, labels, log);
     warn_of_conflicts(model, end_time, log);
     warn_of_late_conditions(model, end_time, log);
