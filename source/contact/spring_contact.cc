@@ -54,7 +54,7 @@ namespace tombolo
       spring.limit_follows_pressure = limit < shear_limit;
       this->add_friction_heat(candidate, ContactLaw::slide(move, limit, spring), nodal_heat);
     }
-    this->add_contact(candidate, share * spring.normal_force(), share * area, clock);
+    this->add_contact(candidate, share * spring.normal_force(), area, clock);
   }
 
   template <int dim>
