@@ -2,7 +2,6 @@
 #include <tombolo/base/clock.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/model/internal_power.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/output.h>
 #include <tombolo/physics/mechanics/condition_accounts.h>
@@ -173,23 +172,10 @@ namespace tombolo
       if (!conditions.will_change(clock.time))
         return change;
       changed.begin_change();
-      // What is prescribed is not smoothed: particles strain at another velocity from now on.
-      const double step = clock.previous_step;
-      const bool smooths = step > 0. && changed.bridge->operators() != Bridge::Operators::identity;
-      const double power = smooths ? internal_power(changed, step) : 0.;
-      double &work_of_change = supports[first_to_change(clock.time)].work;
       acting_since = clock.time;
       changed.conditions->act_at(acting_since);
       changed.conditions->set_partition(*changed.state.partition());
       changed.renew_inertia();
-      if (smooths)
-      {
-        changed.bridge->smooth_velocity(changed.state);
-        const double taken =
-            energy_of_change(power, internal_power(changed, step), step, changed.communicator);
-        work -= taken;
-        work_of_change -= taken;
-      }
       change.masses = true;
       return change;
     }
@@ -351,20 +337,6 @@ namespace tombolo
                          "coordinates. Allowed are nodes of elements, all components, or axes "
                          "of the coordinates.");
       return {};
-    }
-
-    /** The first condition that begins or ceases to act at @p time; there is one. */
-    unsigned int first_to_change(const double time) const
-    {
-      const auto &all = conditions.all();
-      const auto found =
-          std::find_if(all.begin(), all.end(),
-                       [&](const MechanicalCondition<dim> &condition)
-                       {
-                         return prescribes(condition.type) &&
-                                condition.acts_at(time) != condition.acts_at(acting_since);
-                       });
-      return static_cast<unsigned int>(found - all.begin());
     }
 
     /** Accounts for the first half of the step with the former nodes and masses. */
