@@ -155,17 +155,10 @@ namespace tombolo
   void ConstrainedParticles::keep_velocity(const NodalVector &unsmoothed, NodalVector &smoothed)
   {
     for (ConstrainedParticle &particle : rank_particles)
-    {
-      double *const velocity = smoothed.node(particle.node);
       for (unsigned int c = 0; c < 3; ++c)
         if (is_prescribed(particle, c))
-        {
-          particle.smoothed_velocity[c] = velocity[c];
-          velocity[c] = unsmoothed.node(particle.node)[c];
-        }
-    }
-    if (are_anywhere)
-      smoothed.update_ghosts();
+          particle.smoothed_velocity[c] = smoothed.node(particle.node)[c];
+    set_prescribed(unsmoothed, smoothed);
   }
 
   void ConstrainedParticles::set_prescribed(const NodalVector &prescribed,
