@@ -169,6 +169,7 @@ namespace tombolo
     void add_depth_warnings(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
                             std::vector<bool> &has_warned, std::vector<std::string> &warnings) const
     {
+      std::optional<std::vector<double>> volume;
       for (std::size_t k = 0; k < contacts.size(); ++k)
       {
         const SurfaceContact<dim> &contact = *contacts[k];
@@ -178,10 +179,11 @@ namespace tombolo
         const double depth = contact.balance(model.communicator).penetration;
         if (!(depth > 0.))
           continue;
-        const std::vector<double> volume = volume_of_nodes();
+        if (!volume)
+          volume = volume_of_nodes();
         double largest = 0;
         for (const unsigned int node : contact.nodes_in_contact())
-          largest = std::max(largest, volume[node]);
+          largest = std::max(largest, (*volume)[node]);
         const double spacing = std::pow(Utilities::MPI::max(largest, model.communicator), 1. / dim);
         has_warned[k] = depth > spacing;
         if (has_warned[k])
