@@ -61,6 +61,8 @@ namespace tombolo
         for (unsigned int c = 0; c < 6; ++c)
           stress[c] = points.component(MaterialPoints::stress, c)[i];
         const double effective_stress = von_mises_stress(stress.data());
+        if (effective_stress == 0.)
+          continue; // the yield stress of all points would take its time
         const double temperature =
             field < points.fields().size() ? points.component(field, 0)[i] : start;
         const double yield_stress = part.material->slow_yield_stress(0., temperature);
