@@ -208,12 +208,17 @@ class Leavings(Case):
         self.assertLess(abs(summary["momentum_drift_relative"]), 1e-12)
 
     def test_the_parameters_of_a_run_repeat_it(self):
-        self.run_program("--quiet", "rod.prm")
-        first = self.read("output", "statistics.csv")
-        shutil.copy(self.path("output", "parameters.prm"), self.path("again.prm"))
-        shutil.rmtree(self.path("output"))
-        self.run_program("--quiet", "again.prm")
-        self.assertEqual(self.read("output", "statistics.csv"), first)
+        at_rest = run_cases.parameter_text({"file": "bar.prm", "replace": []})
+        self.write("bar.prm", at_rest.replace("@OUTPUT@", "output"))
+        for file in ("rod.prm", "bar.prm"):
+            with self.subTest(file):
+                self.run_program("--quiet", file)
+                first = self.read("output", "statistics.csv")
+                shutil.copy(self.path("output", "parameters.prm"), self.path("again.prm"))
+                shutil.rmtree(self.path("output"))
+                self.run_program("--quiet", "again.prm")
+                self.assertEqual(self.read("output", "statistics.csv"), first)
+                shutil.rmtree(self.path("output"))
 
     def test_a_second_run_replaces_the_first(self):
         self.run_program("--quiet", "rod.prm")

@@ -252,6 +252,7 @@ namespace tombolo
 
   void Parameters::refuse_unused() const
   {
+    used_in_check = used;
     std::vector<const Item *> unused;
     bool is_certain = false;
     const auto check_item = [&](const Item &item)
@@ -362,9 +363,11 @@ namespace tombolo
   void Parameters::print(std::ostream &out, const std::string &format,
                          const bool with_documentation, const std::string &section) const
   {
-    const PrintedEntries entries{used.empty() || main_file.empty(),
-                                 [&](const std::string &path)
-                                 { return setting(path) != nullptr || used.count(path) > 0; },
+    const std::set<std::string> &used_entries = used_in_check.empty() ? used : used_in_check;
+    const PrintedEntries entries{used_entries.empty() || main_file.empty(),
+                                 [&](const std::string &path) {
+                                   return setting(path) != nullptr || used_entries.count(path) > 0;
+                                 },
                                  [&](const std::string &path) { return value(path); }};
     const ParameterDeclaration &printed = find_section(declarations(), section);
     if (format == "prm")

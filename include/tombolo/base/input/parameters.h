@@ -116,7 +116,8 @@ namespace tombolo
 
     /** Entries that were set in the file but that nothing read: an input that does nothing is an
      * error, but where a file that includes theirs, or an override, chooses another section. Throws
-     * an InputError that names the first, or notes each. */
+     * an InputError that names the first, or notes each. What is read later is not printed: a file
+     * that sets it would be refused here. */
     void refuse_unused() const;
 
     /** A sentence for each entry that is set under a former name (an alias that is declared as
@@ -187,7 +188,7 @@ namespace tombolo
     dealii::ParameterHandler parameter_handler;
     mutable ParameterDeclaration declaration_tree;
     bool is_assigned = false;
-    mutable std::set<std::string> used;
+    mutable std::set<std::string> used, used_in_check;
   };
 
   /**
