@@ -90,6 +90,12 @@ namespace tombolo
                                      { summary["scaling"] = results(model, table); });
       if (!settings.is_selective())
         return;
+      this->observed.warnings.connect(
+          [this, &model](const Clock &, const auto occasion, std::vector<std::string> &result)
+          {
+            if (occasion == Process<dim>::Occasion::audit)
+              warn_of_mass(model, result);
+          });
       this->observed.energy("mass scaling work", EnergyKind::external, work);
       for (unsigned int p = 0; p < model.parts.size(); ++p)
         this->structure.group("inertia of part " + model.parts[p].name)
@@ -251,6 +257,17 @@ namespace tombolo
         section.fail("Target time step", "the smallest stable step of a cell or particle is " +
                                              format_number(smallest) +
                                              "; allowed are up to a million times as many.");
+    }
+
+    void warn_of_mass(const Model<dim> &model, std::vector<std::string> &result) const
+    {
+      const Masses mass = masses(model);
+      if (mass.added > mass.true_mass)
+        result.push_back(as_text("`Scaling/Target time step` adds ", mass.added / mass.true_mass,
+                                 " times the mass of the bodies: forces of inertia grow as much. "
+                                 "What moves slowly bears that while the column `kinetic over "
+                                 "internal energy` stays below some 0.05; a smaller target adds "
+                                 "less."));
     }
 
     void describe(const Model<dim> &model, std::ostream &text) const
