@@ -48,6 +48,8 @@ def run_study(study, runs, is_anew, log):
             (study.output / name).write_text(text, "utf-8")
         log("\n" + report.conclusions())
         log(f"Tables: {study.output / 'members.csv'}, {study.output / 'report.md'}")
+        for column in report.empty_columns():
+            log(f"Warning: no run has the value \"{column}\" of the entry \"Error/Columns\": its column is empty.")
         n_bad = sum(run.state in ("timed out", "crashed") for run in runs)
         if n_bad:
             log(f"Warning: {n_bad} runs crashed or took too long.")

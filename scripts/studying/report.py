@@ -107,6 +107,12 @@ class StudyReport:
         return [sentence for factor in range(len(self.study.factors))
                 for sentence in (*self.steps_of(factor), *self.failures_of(factor))]
 
+    def empty_columns(self):
+        """Of the further values of the table, those that no measured run has."""
+        measured = [run.columns for run in self.runs if run.state == "measured" and run.columns]
+        return [column.text for number, column in enumerate(self.study.columns)
+                if measured and all(math.isnan(columns[number]) for columns in measured)]
+
     def conclusions(self):
         lines = []
         if self.front:
