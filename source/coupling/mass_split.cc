@@ -355,7 +355,7 @@ namespace tombolo
     NodalVector is_light(partition, Quantity::scalar);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
     {
-      const double *const mass = nodal_mass.node(i);
+      const double *const mass = row_sums().node(i);
       if (!(*std::min_element(mass, mass + node_stride) >
             smallest_mass_share * *total_mass.node(i)))
         *is_light.node(i) = 1.;
