@@ -142,8 +142,9 @@ namespace tombolo
     largest_angular_momentum = std::max(largest_angular_momentum, momenta.angular_scale);
     find_drifts(model, result);
     const double error = result.total - result.external - initial_total;
-    result.error =
-        largest_input > 0 && !(std::abs(error) <= unresolved) ? error / largest_input : 0.;
+    // The largest of values of which one is not a number can be zero.
+    const bool has_scale = largest_input > 0. || std::isnan(error);
+    result.error = has_scale && !(std::abs(error) <= unresolved) ? error / largest_input : 0.;
     return result;
   }
 

@@ -67,6 +67,15 @@ namespace tombolo
         return result;
       }
 
+      TEST(EnergyLedger, an_energy_that_is_no_number_from_the_start_on_makes_the_error_none)
+      {
+        BalancedBody body(all_methods("").front(), damping_rate);
+        body.model->processes.front()->observed.energies.connect(
+            [](EnergyAccounts &energies)
+            { energies.add("wrong", EnergyKind::stored, std::nan("")); });
+        EXPECT_TRUE(std::isnan(body.next(0.1).error));
+      }
+
       TEST(EnergyLedger, a_rigid_body_that_falls_and_is_damped_is_balanced_exactly)
       {
         for (const Block &block :
