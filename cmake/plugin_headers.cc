@@ -3,5 +3,7 @@
 // the file before it runs anything in there.
 #include <tombolo/headers.h>
 
-extern "C" __attribute__((used, visibility("default"))) const char tombolo_plugin_headers[] =
-    "tombolo plug-in with headers " TOMBOLO_HEADERS;
+namespace
+{
+  __attribute__((used)) const char headers[] = "tombolo plug-in with headers " TOMBOLO_HEADERS;
+}
