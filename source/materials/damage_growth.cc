@@ -3,35 +3,30 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace tombolo
 {
-  const std::string DamageGrowth::field_name = "damage";
-
-  std::unique_ptr<const DamageGrowth> DamageGrowth::create(const Entries &e)
+  std::unique_ptr<const DuctileDamage> DuctileDamage::create(const Entries &e)
   {
-    auto law = e.plugin<DuctileDamage>(
+    auto damage = e.plugin<DuctileDamage>(
         "Damage", "none",
         "Points have a damage $\\sum \\Delta\\varepsilon_p/\\varepsilon_f$ with the strain at "
         "failure $\\varepsilon_f$ of this law, for `Bond failure = damage`, `Erosion damage` and "
         "`Conversion damage`; it does not change the stress.",
         "none");
     e.plugins<DuctileDamage>();
-    return law ? std::make_unique<const DamageGrowth>(std::move(law)) : nullptr;
+    return damage;
   }
 
-  DamageGrowth::DamageGrowth(std::unique_ptr<const DuctileDamage> law) : law(std::move(law)) {}
-
-  FieldDescription DamageGrowth::field() const
+  FieldDescription DuctileDamage::field()
   {
-    return {field_name, "1", FieldLocation::material_point, 1, true};
+    return {"damage", "1", FieldLocation::material_point, 1, true};
   }
 
-  void DamageGrowth::advance(const MaterialBatch &batch, const unsigned int begin,
-                             const unsigned int n, const double *const old_plastic_strain,
-                             const double *const plastic_strain, const double *const temperature,
-                             double *const damage) const
+  void DuctileDamage::advance(const MaterialBatch &batch, const unsigned int begin,
+                              const unsigned int n, const double *const old_plastic_strain,
+                              const double *const plastic_strain, const double *const temperature,
+                              double *const damage) const
   {
     constexpr unsigned int chunk_size = 64;
     alignas(64) double increment[chunk_size], rate[chunk_size], triaxiality[chunk_size],
@@ -68,7 +63,7 @@ namespace tombolo
       FailureStrainBatch points{size, triaxiality, rate,
                                 temperature == nullptr ? nullptr : temperature + first,
                                 failure_strain};
-      law->evaluate(points);
+      evaluate(points);
       double *const point_damage = damage + first;
 #pragma GCC ivdep
       for (unsigned int i = 0; i < size; ++i)

@@ -2,7 +2,6 @@
 #include <tombolo/materials/equation_of_state.h>
 
 #include <algorithm>
-#include <utility>
 
 namespace tombolo
 {
@@ -18,7 +17,7 @@ namespace tombolo
     };
   } // namespace
 
-  std::unique_ptr<const EnergyPressure> EnergyPressure::create(const Entries &e)
+  std::unique_ptr<const EquationOfState> EquationOfState::create(const Entries &e)
   {
     auto equation = e.plugin<EquationOfState>(
         equation_entry, "none",
@@ -33,14 +32,10 @@ namespace tombolo
           e.section().parent().subsection("Heat").is_set(entry), equation_entry,
           "the material has a section \"Heat\", but with an equation of state the heat of a point "
           "is in its internal energy and stays there; allowed is `none`, or no section \"Heat\".");
-    return std::make_unique<const EnergyPressure>(std::move(equation));
+    return equation;
   }
 
-  EnergyPressure::EnergyPressure(std::unique_ptr<const EquationOfState> equation)
-      : equation(std::move(equation))
-  {}
-
-  std::vector<FieldDescription> EnergyPressure::fields() const
+  std::vector<FieldDescription> EquationOfState::fields() const
   {
     return {energy_field("pressure work"),
             energy_field("viscous work"),
@@ -48,9 +43,9 @@ namespace tombolo
              true}};
   }
 
-  void EnergyPressure::advance(const MaterialBatch &batch, const unsigned int begin,
-                               const unsigned int n, const unsigned int first_field,
-                               const double *const plastic_work, const double elastic_bulk) const
+  void EquationOfState::advance(const MaterialBatch &batch, const unsigned int begin,
+                                const unsigned int n, const unsigned int first_field,
+                                const double *const plastic_work, const double elastic_bulk) const
   {
     AssertThrow(batch.relative_volume != nullptr,
                 ExcMessage("An equation of state needs the volumes of the points."));
@@ -61,7 +56,7 @@ namespace tombolo
     {
       const unsigned int size = std::min(chunk_size, begin + n - first);
       EquationOfStateBatch state{size, batch.relative_volume + first, a, a_modulus, b, b_change};
-      equation->evaluate(state);
+      evaluate(state);
 
       double *stress[3];
       const double *strain[3];
@@ -99,10 +94,10 @@ namespace tombolo
     }
   }
 
-  void EnergyPressure::deviatoric_energy_density(const unsigned int n,
-                                                 const double *const stress[6],
-                                                 const double shear_modulus,
-                                                 double *const energy_density)
+  void EquationOfState::deviatoric_energy_density(const unsigned int n,
+                                                  const double *const stress[6],
+                                                  const double shear_modulus,
+                                                  double *const energy_density)
   {
     const double factor = 1. / (4. * shear_modulus);
     for (unsigned int i = 0; i < n; ++i)

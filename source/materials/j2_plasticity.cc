@@ -198,25 +198,25 @@ namespace tombolo
       flow_stress =
           e.plugin<FlowStress>("Flow stress", mandatory, "The stress at which the material flows.");
       if (!e.declares())
-        damage = DamageGrowth::create(e);
+        damage = DuctileDamage::create(e);
       const bool needs_temperature = (flow_stress && flow_stress->depends_on_temperature()) ||
                                      (damage && damage->depends_on_temperature());
       adiabatic = AdiabaticHeating(e, heat.get(), density(), flow_stress.get(), needs_temperature);
       e.plugins<FlowStress>();
       if (e.declares())
       {
-        EnergyPressure::create(e);
-        DamageGrowth::create(e);
+        EquationOfState::create(e);
+        DuctileDamage::create(e);
         return;
       }
       has_temperature = adiabatic.is_kept || (heat != nullptr && needs_temperature);
       keeps_yield_stress = heat == nullptr && flow_stress->depends_on_temperature();
       first_further_field =
           static_cast<unsigned int>(internal_variables().size()) - (damage ? 1 : 0);
-      pressure = EnergyPressure::create(e);
+      pressure = EquationOfState::create(e);
     }
     /** "effective plastic strain", "plastic work" and, where needed, "temperature", "yield stress"
-     * (without "Heat") and "thermal work"; then those of EnergyPressure and DamageGrowth. */
+     * (without "Heat") and "thermal work"; then those of EquationOfState and DuctileDamage. */
     std::vector<FieldDescription> internal_variables() const override
     {
       std::vector<FieldDescription> fields = {
@@ -234,7 +234,7 @@ namespace tombolo
         for (const FieldDescription &field : pressure->fields())
           fields.push_back(field);
       if (damage)
-        fields.push_back(damage->field());
+        fields.push_back(DuctileDamage::field());
       return fields;
     }
     /** The Taylor-Quinney coefficient η where the material has a section "Heat". */
@@ -529,9 +529,9 @@ namespace tombolo
     }
 
     std::unique_ptr<const FlowStress> flow_stress;
-    std::unique_ptr<const DamageGrowth> damage; // null: none
-    unsigned int first_further_field = 0;       // those of pressure, then that of damage
-    bool has_temperature = false;               ///< the flow stress is evaluated with a temperature
+    std::unique_ptr<const DuctileDamage> damage; // null: none
+    unsigned int first_further_field = 0;        // those of pressure, then that of damage
+    bool has_temperature = false; ///< the flow stress is evaluated with a temperature
     bool keeps_yield_stress = false;
     AdiabaticHeating adiabatic;
   };

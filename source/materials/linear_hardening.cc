@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
-#include <tombolo/materials/cowper_symonds.h>
+#include <tombolo/materials/flow_stress.h>
 
 namespace tombolo
 {

@@ -2,7 +2,7 @@
 #include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/simd/vectorization.h>
-#include <tombolo/materials/cowper_symonds.h>
+#include <tombolo/materials/flow_stress.h>
 
 #include <deal.II/base/utilities.h>
 

@@ -6,7 +6,6 @@
 #include <tombolo/materials/material.h>
 
 #include <memory>
-#include <string>
 
 namespace tombolo
 {
@@ -21,7 +20,11 @@ namespace tombolo
     double *failure_strain; ///< out: effective plastic strain at failure, larger than zero
   };
 
-  /** The plastic strain at which a material fails: damage grows by the plastic strain over it. */
+  /**
+   * The plastic strain ε_f at which a material fails, and the damage of its points, D = Σ Δε_p/ε_f
+   * with the ε_f at the end of each step. It changes no stress: criteria of bonds, erosion,
+   * conversion compare it with limits.
+   */
   class DuctileDamage
   {
   public:
@@ -30,40 +33,22 @@ namespace tombolo
     virtual bool depends_on_temperature() const = 0;
 
     virtual void evaluate(FailureStrainBatch &batch) const = 0;
-  };
-
-  template <>
-  struct PluginKind<DuctileDamage>
-  {
-    static constexpr const char *name = "damage";
-  };
-
-  /** The damage of points, D = Σ Δε_p/ε_f with the ε_f of a DuctileDamage at the end of each step.
-   * It changes no stress: criteria of bonds, erosion, conversion compare it with limits. */
-  class DamageGrowth
-  {
-  public:
-    static const std::string field_name;
 
     /** That of `Damage` in the section of a material; null for `none`. */
-    static std::unique_ptr<const DamageGrowth> create(const Entries &e);
+    static std::unique_ptr<const DuctileDamage> create(const Entries &e);
 
-    explicit DamageGrowth(std::unique_ptr<const DuctileDamage> law);
-
-    bool depends_on_temperature() const
-    {
-      return law->depends_on_temperature();
-    }
-
-    FieldDescription field() const;
+    static FieldDescription field();
 
     /** Adds to @p damage of @p n points from @p begin on, with the stress of @p batch at the end of
      * the step and the plastic strains there and before; @p temperature is null if not needed. */
     void advance(const MaterialBatch &batch, unsigned int begin, unsigned int n,
                  const double *old_plastic_strain, const double *plastic_strain,
                  const double *temperature, double *damage) const;
+  };
 
-  private:
-    std::unique_ptr<const DuctileDamage> law;
+  template <>
+  struct PluginKind<DuctileDamage>
+  {
+    static constexpr const char *name = "damage";
   };
 } // namespace tombolo

@@ -24,7 +24,14 @@ namespace tombolo
     double *coefficient_change; ///< out: -J db/dJ
   };
 
-  /** The pressure of a point by its volume and its internal energy, in batches. */
+  /**
+   * The pressure of points by their volumes and internal energies, in batches, instead of that of
+   * an elastic bulk modulus. The internal energy is E = e + W + Q: the pressure work e = -∫ p dJ,
+   * the plastic work W and what artificial viscosity has dissipated, Q, all per unit of initial
+   * volume; the elastic energy of the deviator is left out. With the trapezoidal rule for e, which
+   * is that of the forces in the energy balance, p = a + b E is linear in p at the end of a step,
+   * and solved exactly.
+   */
   class EquationOfState
   {
   public:
@@ -34,33 +41,9 @@ namespace tombolo
     virtual double bulk_modulus() const = 0;
 
     virtual void evaluate(EquationOfStateBatch &batch) const = 0;
-  };
 
-  template <>
-  struct PluginKind<EquationOfState>
-  {
-    static constexpr const char *name = "equation of state";
-  };
-
-  /**
-   * The pressure of points by an EquationOfState, instead of that of an elastic bulk modulus.
-   * The internal energy is E = e + W + Q: the pressure work e = -∫ p dJ, the plastic work W and
-   * what artificial viscosity has dissipated, Q, all per unit of initial volume; the elastic energy
-   * of the deviator is left out. With the trapezoidal rule for e, which is that of the forces in
-   * the energy balance, p = a + b E is linear in p at the end of a step, and solved exactly.
-   */
-  class EnergyPressure
-  {
-  public:
     /** That of `Equation of state` in the section of a material; null for `none`. */
-    static std::unique_ptr<const EnergyPressure> create(const Entries &e);
-
-    explicit EnergyPressure(std::unique_ptr<const EquationOfState> equation);
-
-    double bulk_modulus() const
-    {
-      return equation->bulk_modulus();
-    }
+    static std::unique_ptr<const EquationOfState> create(const Entries &e);
 
     /** "pressure work", "viscous work" and "bulk modulus", the isentropic one. */
     std::vector<FieldDescription> fields() const;
@@ -74,8 +57,11 @@ namespace tombolo
     /** Elastic energy of the deviator per unit of current volume, of @p n points. */
     static void deviatoric_energy_density(unsigned int n, const double *const stress[6],
                                           double shear_modulus, double *energy_density);
+  };
 
-  private:
-    std::unique_ptr<const EquationOfState> equation;
+  template <>
+  struct PluginKind<EquationOfState>
+  {
+    static constexpr const char *name = "equation of state";
   };
 } // namespace tombolo

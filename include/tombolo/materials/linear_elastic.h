@@ -136,7 +136,7 @@ namespace tombolo
                                 double *const energy_density) const override
     {
       if (pressure)
-        return EnergyPressure::deviatoric_energy_density(n, stress, shear, energy_density);
+        return EquationOfState::deviatoric_energy_density(n, stress, shear, energy_density);
       Material::elastic_energy_density(n, stress, temperature, energy_density);
     }
 
@@ -212,7 +212,7 @@ namespace tombolo
     }
 
     /** What a derived class replaces the mean stress by; null: nothing. */
-    std::unique_ptr<const EnergyPressure> pressure;
+    std::unique_ptr<const EquationOfState> pressure;
 
     /** The section "Heat" of the material; null where it sets nothing. */
     std::shared_ptr<const ThermalProperties> heat;
