@@ -85,27 +85,25 @@ namespace tombolo
     }
   } // namespace SmoothingStrength
 
-  void SmoothingSettings::declare_parameters(const Entries &e)
-  {
-    e.text("Smoothing", "affine", "",
-           "How velocities are smoothed: `paper` (momentum-consistent smoothing of Pan et al. "
-           "2019), `fe matched` and `phase` (sharpened to the phase speed of finite elements, and "
-           "to fourth order), `affine` (linear fields are reproduced, so that angular momentum is "
-           "conserved), `none`, or a number gamma for S (I + gamma (I - Phi S)).");
-    e.number("Smallest smoothed mass", "0.01", between(0., 0.15), "1",
-             "Where neighbours mix, a node can have hardly any smoothed mass m left; its velocity, "
-             "a sum of positive and negative shares over m, is then far from those around it. "
-             "Where m is at most this share of the node's own mass, rows with a negative share of "
-             "it lose their negative shares. On lattices, disordered ones too, m is above 0.18. "
-             "0.1 for flows that stir.");
-  }
-
-  SmoothingSettings SmoothingSettings::read(const Section &section, const Kernel &kernel,
+  SmoothingSettings SmoothingSettings::read(const Entries &e, const Kernel &kernel,
                                             const double dilation)
   {
     SmoothingSettings settings;
-    settings.smallest_mass_share = section.get_double("Smallest smoothed mass");
-    const std::string smoothing = section.get("Smoothing");
+    const std::string smoothing = e.text(
+        "Smoothing", "affine", "",
+        "How velocities are smoothed: `paper` (momentum-consistent smoothing of Pan et al. "
+        "2019), `fe matched` and `phase` (sharpened to the phase speed of finite elements, and "
+        "to fourth order), `affine` (linear fields are reproduced, so that angular momentum is "
+        "conserved), `none`, or a number gamma for S (I + gamma (I - Phi S)).");
+    settings.smallest_mass_share = e.number(
+        "Smallest smoothed mass", "0.01", between(0., 0.15), "1",
+        "Where neighbours mix, a node can have hardly any smoothed mass m left; its velocity, "
+        "a sum of positive and negative shares over m, is then far from those around it. "
+        "Where m is at most this share of the node's own mass, rows with a negative share of "
+        "it lose their negative shares. On lattices, disordered ones too, m is above 0.18. "
+        "0.1 for flows that stir.");
+    if (e.declares())
+      return settings;
     if (smoothing == "none")
       settings.is_active = false;
     else if (smoothing == "affine")
@@ -123,10 +121,10 @@ namespace tombolo
       {
         const std::string nearest =
             nearest_name(smoothing, {"paper", "fe matched", "phase", "affine", "none"});
-        section.fail("Smoothing",
-                     "allowed is paper, fe matched, phase, affine, none, or a number "
-                     "between -10 and 10" +
-                         (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+        e.section().fail("Smoothing",
+                         "allowed is paper, fe matched, phase, affine, none, or a number "
+                         "between -10 and 10" +
+                             (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
       }
     }
     return settings;

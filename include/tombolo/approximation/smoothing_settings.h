@@ -3,16 +3,10 @@
 
 #include <vector>
 
-namespace dealii
-{
-  class ParameterHandler;
-}
-
 namespace tombolo
 {
   class Kernel;
   class Entries;
-  class Section;
 
   /** How the velocity of the particles is smoothed (doc/method.md, section 3). */
   struct SmoothingSettings
@@ -24,10 +18,9 @@ namespace tombolo
      * negative lose their negative values. */
     double smallest_mass_share = 0.01;
 
-    /** The entries `Smoothing` and `Smallest smoothed mass` of the section of a formulation. */
-    static void declare_parameters(const Entries &e);
-    /** Where sharpened smoothing depends on kernel and dilation. Throws InputError. */
-    static SmoothingSettings read(const Section &section, const Kernel &kernel, double dilation);
+    /** The entries `Smoothing` and `Smallest smoothed mass` of the section of a formulation;
+     * sharpened smoothing depends on kernel and dilation. Throws InputError. */
+    static SmoothingSettings read(const Entries &e, const Kernel &kernel, double dilation);
 
     bool operator==(const SmoothingSettings &other) const
     {

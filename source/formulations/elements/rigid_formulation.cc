@@ -218,11 +218,4 @@ namespace tombolo
 
     const bool rigid_is_registered = add_rigid_to_registry<2>() && add_rigid_to_registry<3>();
   } // namespace
-
-  template class RigidFormulation<2, 1>;
-  template class RigidFormulation<2, 2>;
-  template class RigidFormulation<2, 3>;
-  template class RigidFormulation<3, 1>;
-  template class RigidFormulation<3, 2>;
-  template class RigidFormulation<3, 3>;
 } // namespace tombolo

@@ -13,14 +13,17 @@ namespace tombolo
 {
   namespace
   {
-    std::shared_ptr<const Kernel> create_kernel(const Section &section)
+    std::shared_ptr<const Kernel> create_kernel(const Entries &e)
     {
+      const Registry<Kernel> &kernels = Registry<Kernel>::instance();
       std::shared_ptr<const Kernel> kernel =
-          Registry<Kernel>::instance().create(section.get("Kernel"), section);
-      if (!kernel->is_smooth_at_zero())
-        section.fail("Kernel", "it has a kink at zero, where moving least squares need its "
-                               "derivative; allowed are smooth kernels, such as `cubic spline` and "
-                               "`quintic spline`");
+          kernels.create(e.choice("Kernel", "cubic spline", kernels.selection(),
+                                  "The kernel of the moving least squares."),
+                         e.section());
+      e.refuse(!kernel->is_smooth_at_zero(), "Kernel",
+               "it has a kink at zero, where moving least squares need its "
+               "derivative; allowed are smooth kernels, such as `cubic spline` and "
+               "`quintic spline`");
       return kernel;
     }
   } // namespace
@@ -30,17 +33,6 @@ namespace tombolo
   class LeastSquaresRows : public ParticleRows<dim>
   {
   public:
-    static void declare_parameters(const Entries &e)
-    {
-      e.choice("Kernel", "cubic spline", Registry<Kernel>::instance().selection(),
-               "The kernel of the moving least squares.");
-      e.number("Dilation", "1.8", any_number(), "",
-               "Half width of a support over the largest distance to a neighbouring node, axis by "
-               "axis; above 1, usually 1.5 to 1.9.");
-      is_rounded(e);
-      declare<CellAverages<dim>>(e);
-    }
-
     /** `Row precision`. Throws the InputError of rows that are found anew in each step. */
     static bool is_rounded(const Entries &e)
     {
@@ -57,17 +49,20 @@ namespace tombolo
     }
 
     /** Throws InputError. */
-    explicit LeastSquaresRows(const Section &section)
-        : ParticleRows<dim>(section, section.get("Configuration") == "current" ? 0.1 : 0.),
-          support_dilation(section.get_double("Dilation")), averages(section),
-          least_squares(create_kernel(section)), rounds_rows(is_rounded(section))
+    explicit LeastSquaresRows(const Entries &e)
+        : ParticleRows<dim>(e, e.given("Configuration") == "current" ? 0.1 : 0.),
+          least_squares(create_kernel(e)),
+          support_dilation(e.number(
+              "Dilation", "1.8", any_number(), "",
+              "Half width of a support over the largest distance to a neighbouring node, axis by "
+              "axis; above 1, usually 1.5 to 1.9.")),
+          rounds_rows(is_rounded(e)), averages(e),
+          // A search for equal rows pays where they stay.
+          shares_rows(e.given("Configuration") == "total Lagrangian")
     {
-      if (!(support_dilation > 1. && support_dilation <= 10.))
-        section.fail("Dilation",
-                     "allowed is a number above 1 and up to 10; usual are 1.5 to 1.9. At 1 or "
-                     "below a particle has no neighbours along an axis");
-      // A search for equal rows pays where they stay.
-      shares_rows = section.get("Configuration") == "total Lagrangian";
+      e.refuse(!(support_dilation > 1. && support_dilation <= 10.), "Dilation",
+               "allowed is a number above 1 and up to 10; usual are 1.5 to 1.9. At 1 or "
+               "below a particle has no neighbours along an axis");
       if (shares_rows)
         neighbours.order_by_offset();
     }
@@ -179,16 +174,13 @@ namespace tombolo
       return text.str();
     }
 
-    double support_dilation;
-    bool shares_rows;
-    CellAverages<dim> averages;
     MovingLeastSquares<dim> least_squares;
+    double support_dilation;
     bool rounds_rows;
+    CellAverages<dim> averages;
+    bool shares_rows;
     const std::vector<BasisDefect> *defects = nullptr; // of the last fill(), in least_squares
   };
-
-  template class LeastSquaresRows<2>;
-  template class LeastSquaresRows<3>;
 
   /** `Strain measure` of particles, whose default follows `Smoothing`. Throws the InputError of a
    * logarithmic one with a smoothing by which positions do not move with the straining velocity. */
@@ -218,22 +210,13 @@ namespace tombolo
   class MomentumConsistentParticle : public ParticleMethod<dim>
   {
   public:
-    explicit MomentumConsistentParticle(const Section &section)
-        : ParticleMethod<dim>(section, std::make_unique<LeastSquaresRows<dim>>(section),
-                              particle_strain_measure(section))
+    explicit MomentumConsistentParticle(const Entries &e)
+        : ParticleMethod<dim>(e, std::make_unique<LeastSquaresRows<dim>>(e), "total Lagrangian")
     {
       const auto &method_rows = static_cast<const LeastSquaresRows<dim> &>(*this->rows);
-      const Kernel &kernel_function = method_rows.kernel();
       this->smoothing_settings =
-          SmoothingSettings::read(section, kernel_function, method_rows.dilation());
-    }
-
-    static void declare_parameters(const Entries &e)
-    {
-      ParticleMethod<dim>::declare_shared_parameters(e, "total Lagrangian");
-      LeastSquaresRows<dim>::declare_parameters(e);
-      SmoothingSettings::declare_parameters(e);
-      particle_strain_measure(e);
+          SmoothingSettings::read(e, method_rows.kernel(), method_rows.dilation());
+      this->part_points = PartPoints{BulkViscosity(e), particle_strain_measure(e)};
     }
   };
 

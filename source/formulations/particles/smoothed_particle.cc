@@ -53,45 +53,38 @@ namespace tombolo
   class SmoothedRows : public ParticleRows<dim>
   {
   public:
-    static void declare_parameters(const Entries &e)
-    {
-      e.choice("Kernel", "hyperbolic spline", Registry<Kernel>::instance().selection(),
-               "The kernel, as a function of the distance over two smoothing lengths.");
-      e.number("Smoothing length", "1.5", any_number(), "",
-               "Smoothing length over the spacing of the particles, the dim-th root of the mean "
-               "volume of their cells; at least 1, usually 1.2 to 1.5. Particles within two "
-               "smoothing lengths are neighbours.");
-      e.choice(
-          "Gradient", "corrected", "corrected|paper",
-          "Whether gradients are corrected so that those of linear fields are exact and angular "
-          "momentum is conserved, or those of the kernel alone, as in the paper.");
-      e.number(
-          "Correction limit", "0.5", between(0., 1.), "",
-          "A gradient is not corrected where det F of the moment F = sum of (x_J - x_I) x grad "
-          "W_J V_J falls below this times (tr F/dim)^dim: where neighbours lie to few sides. 1 "
-          "is a particle with the same neighbours on all axes.");
-    }
-
     /** Throws InputError. */
-    explicit SmoothedRows(const Section &section)
-        : ParticleRows<dim>(section,
-                            section.get("Configuration") == "current" ? skin_of_current : 0.),
-          kernel(Registry<Kernel>::instance().create(section.get("Kernel"), section)),
-          relative_length(section.get_double("Smoothing length")),
-          is_corrected(section.get("Gradient") == "corrected"),
-          is_current(section.get("Configuration") == "current"),
-          is_compact(is_current && section.get("Bond failure") == "none"),
-          correction_limit(section.get_double("Correction limit"))
+    explicit SmoothedRows(const Entries &e)
+        : ParticleRows<dim>(e, e.given("Configuration") == "current" ? skin_of_current : 0.),
+          kernel(Registry<Kernel>::instance().create(
+              e.choice("Kernel", "hyperbolic spline", Registry<Kernel>::instance().selection(),
+                       "The kernel, as a function of the distance over two smoothing lengths."),
+              e.section())),
+          relative_length(e.number(
+              "Smoothing length", "1.5", any_number(), "",
+              "Smoothing length over the spacing of the particles, the dim-th root of the mean "
+              "volume of their cells; at least 1, usually 1.2 to 1.5. Particles within two "
+              "smoothing lengths are neighbours.")),
+          is_corrected(
+              e.choice("Gradient", "corrected", "corrected|paper",
+                       "Whether gradients are corrected so that those of linear fields are exact "
+                       "and angular momentum is conserved, or those of the kernel alone, as in "
+                       "the paper.") == "corrected"),
+          is_current(e.given("Configuration") == "current"),
+          is_compact(is_current && e.given("Bond failure") == "none"),
+          correction_limit(e.number(
+              "Correction limit", "0.5", between(0., 1.), "",
+              "A gradient is not corrected where det F of the moment F = sum of (x_J - x_I) x grad "
+              "W_J V_J falls below this times (tr F/dim)^dim: where neighbours lie to few sides. 1 "
+              "is a particle with the same neighbours on all axes."))
     {
-      if (!(relative_length >= 1. && relative_length <= 10.))
-        section.fail("Smoothing length",
-                     "allowed is a number from 1 to 10; usual are 1.2 to 1.5. Below the spacing a "
-                     "particle has no neighbours on the diagonals of a lattice");
-      if (!is_corrected && !is_current)
-        section.fail("Gradient",
-                     "gradients of the kernel alone belong to present positions; with a "
-                     "Lagrangian kernel a body at rest would be strained. Choose "
-                     "`corrected`, or `Configuration = current`");
+      e.refuse(!(relative_length >= 1. && relative_length <= 10.), "Smoothing length",
+               "allowed is a number from 1 to 10; usual are 1.2 to 1.5. Below the spacing a "
+               "particle has no neighbours on the diagonals of a lattice");
+      e.refuse(!is_corrected && !is_current, "Gradient",
+               "gradients of the kernel alone belong to present positions; with a "
+               "Lagrangian kernel a body at rest would be strained. Choose "
+               "`corrected`, or `Configuration = current`");
     }
 
     void fill(const Neighbourhoods<dim> &found, const double *const position,
@@ -255,16 +248,17 @@ namespace tombolo
     const std::vector<typename RadialRows<dim>::Defect> *defects = nullptr; // of the last fill()
   };
 
-  template class SmoothedRows<2>;
-  template class SmoothedRows<3>;
-
   namespace
   {
-    StrainMeasure strain_measure_of(const Section &section)
+    StrainMeasure strain_measure_of(const Entries &e)
     {
-      const std::string measure = section.get("Strain measure");
-      const bool is_logarithmic = measure == "logarithmic" ||
-                                  (measure == "automatic" && section.get("Gradient") != "paper");
+      const std::string measure = e.choice(
+          "Strain measure", "automatic", "automatic|logarithmic|rate",
+          "What the stress follows: the elastic logarithmic strain, from whose energy the "
+          "forces derive, or the rate of deformation with an objective rate of the Cauchy "
+          "stress. `automatic` is `rate` with `Gradient = paper`, and `logarithmic` else.");
+      const bool is_logarithmic =
+          measure == "logarithmic" || (measure == "automatic" && e.given("Gradient") != "paper");
       return is_logarithmic ? StrainMeasure::logarithmic : StrainMeasure::rate;
     }
 
@@ -290,22 +284,11 @@ namespace tombolo
   class SmoothedParticle : public ParticleMethod<dim>, public PairInteractions<dim>
   {
   public:
-    explicit SmoothedParticle(const Section &section)
-        : ParticleMethod<dim>(section, std::make_unique<SmoothedRows<dim>>(section),
-                              strain_measure_of(section)),
-          terms(section), conduction(section)
-    {}
-
-    static void declare_parameters(const Entries &e)
+    explicit SmoothedParticle(const Entries &e)
+        : ParticleMethod<dim>(e, std::make_unique<SmoothedRows<dim>>(e), "current"), terms(e),
+          conduction(e)
     {
-      ParticleMethod<dim>::declare_shared_parameters(e, "current");
-      SmoothedRows<dim>::declare_parameters(e);
-      declare<PairTerms<dim>>(e);
-      declare<PairConduction<dim>>(e);
-      e.choice("Strain measure", "automatic", "automatic|logarithmic|rate",
-               "What the stress follows: the elastic logarithmic strain, from whose energy the "
-               "forces derive, or the rate of deformation with an objective rate of the Cauchy "
-               "stress. `automatic` is `rate` with `Gradient = paper`, and `logarithmic` else.");
+      this->part_points = PartPoints{BulkViscosity(e), strain_measure_of(e)};
     }
 
     NeighbourCounts neighbour_counts() const override

@@ -59,12 +59,12 @@ namespace tombolo
 
     /** Reads the criterion in the section of the formulation; there may be none. The other
      * arguments must outlive this object, which changes rows and points. Throws InputError. */
-    Bonds(const Section &section, const ParticleSet<dim> &particles,
+    Bonds(const Entries &e, const ParticleSet<dim> &particles,
           const KernelConfiguration<dim> &kernel, ParticleRows<dim> &rows, PartPoints &points)
         : particles(particles), kernel(kernel), rows(rows), points(points)
     {
-      if (section.get("Bond failure") != "none")
-        check = std::make_unique<BondCheck<dim>>(section);
+      if (e.when(e.given("Bond failure") != "none"))
+        check = std::make_unique<BondCheck<dim>>(e);
     }
 
     /** Whether bonds can break. */

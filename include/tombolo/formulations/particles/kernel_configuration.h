@@ -33,7 +33,7 @@ namespace tombolo
   public:
     KernelConfiguration() = default;
     /** Throws InputError where an updated Lagrangian configuration has no criterion. */
-    KernelConfiguration(const Entries &e, const std::string &default_kind = "current")
+    KernelConfiguration(const Entries &e, const std::string &default_kind)
     {
       const std::string name = e.choice(
           "Configuration", default_kind, "total Lagrangian|updated Lagrangian|current",

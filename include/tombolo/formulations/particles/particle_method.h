@@ -265,26 +265,16 @@ namespace tombolo
     }
 
   protected:
-    static void declare_shared_parameters(const Entries &e,
-                                          const std::string &default_configuration)
+    /** @p method_rows have no particles yet. A derived class sets part_points. Throws InputError.
+     */
+    ParticleMethod(const Entries &e, std::unique_ptr<ParticleRows<dim>> method_rows,
+                   const std::string &default_configuration)
+        : section(e.section()), rows(std::move(method_rows)),
+          bonds(e, set, kernel, *rows, part_points)
     {
-      ParticleRows<dim>::declare_parameters(e);
-      declare<KernelConfiguration<dim>>(e, default_configuration);
-      declare<BulkViscosity>(e);
-      declare<BondCheck<dim>>(e);
-      SelfContact<dim>::create(e);
-    }
-
-    /** @p method_rows have no particles yet. Throws InputError. */
-    ParticleMethod(const Section &part_section, std::unique_ptr<ParticleRows<dim>> method_rows,
-                   const StrainMeasure measure)
-        : section(part_section), rows(std::move(method_rows)),
-          bonds(part_section, set, kernel, *rows, part_points)
-    {
-      part_points = PartPoints(BulkViscosity(part_section), measure);
       smoothing_settings.is_active = false;
-      self_contact = SelfContact<dim>::create(section);
-      kernel = KernelConfiguration<dim>(section);
+      kernel = KernelConfiguration<dim>(e, default_configuration);
+      self_contact = SelfContact<dim>::create(e);
     }
 
     using NodalParticles<dim>::set;

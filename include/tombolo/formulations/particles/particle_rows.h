@@ -36,13 +36,6 @@ namespace tombolo
   class ParticleRows
   {
   public:
-    static void declare_parameters(const Entries &e)
-    {
-      e.flag("Kernels across gaps", "false",
-             "Whether particles are neighbours of those in another body of the mesh, one that no "
-             "common node joins to their own: as if they were glued.");
-    }
-
     virtual ~ParticleRows() = default;
     ParticleRows(const ParticleRows &) = delete;
     ParticleRows &operator=(const ParticleRows &) = delete;
@@ -312,8 +305,12 @@ namespace tombolo
 
   protected:
     /** Candidates are found with @p skin, as in Neighbourhoods. */
-    ParticleRows(const Section &section, const double skin)
-        : section(section), neighbours(skin), crosses_gaps(section.get_bool("Kernels across gaps"))
+    ParticleRows(const Entries &e, const double skin)
+        : section(e.section()), neighbours(skin),
+          crosses_gaps(e.flag(
+              "Kernels across gaps", "false",
+              "Whether particles are neighbours of those in another body of the mesh, one that no "
+              "common node joins to their own: as if they were glued."))
     {}
 
     /** The rows that searches fill and that have the indices of Neighbourhoods: the stencils
