@@ -3,6 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
+#include <tombolo/formulations/elements/split_number.h>
 #include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/model/model.h>
@@ -23,16 +24,6 @@
 
 namespace tombolo
 {
-  /** Identifiers have 64 bits and tables of an archive real numbers of 53: halves fit. */
-  constexpr double half_of_id = 4294967296.;
-  constexpr unsigned int n_halves = 2;
-
-  inline std::uint64_t id_of_halves(const double *halves)
-  {
-    return static_cast<std::uint64_t>(halves[0]) * static_cast<std::uint64_t>(half_of_id) +
-           static_cast<std::uint64_t>(halves[1]);
-  }
-
   /** A node of a cell that is made of another one: the corners of that one, with weights. */
   struct CornerSource
   {
@@ -63,9 +54,8 @@ namespace tombolo
     return nodal_field(model.state.partition(), Quantity::scalars,
                        [&](const unsigned int i, double *const halves)
                        {
-                         const auto base = static_cast<std::uint64_t>(half_of_id);
-                         halves[0] = static_cast<double>(ids[i] / base);
-                         halves[1] = static_cast<double>(ids[i] % base);
+                         halves[0] = upper_half(ids[i]);
+                         halves[1] = lower_half(ids[i]);
                        });
   }
 
@@ -113,7 +103,7 @@ namespace tombolo
               motion.push_back(model.state.unsmoothed_velocity.node(local)[d]);
           }
         }
-        archive.rows("nodes", n_halves * n_corners, halves);
+        archive.rows("nodes", 2 * n_corners, halves);
         if (model.has_mechanics)
           archive.rows("motion", (dim + 1) * n_corners, motion);
         PointTransfer<dim>::write(model, p, archive);
@@ -204,7 +194,8 @@ namespace tombolo
 
       std::uint64_t node(const std::uint64_t cell, const unsigned int corner) const
       {
-        return id_of_halves(numbers.data() + number_of(cell, corner) * n_halves);
+        const double *const halves = numbers.data() + number_of(cell, corner) * 2;
+        return joined(halves[0], halves[1]);
       }
 
       double mass(const std::uint64_t cell, const unsigned int corner) const
@@ -236,7 +227,7 @@ namespace tombolo
       std::sort(result.ids.begin(), result.ids.end());
       result.ids.erase(std::unique(result.ids.begin(), result.ids.end()), result.ids.end());
       const ArchiveLookup lookup = archive.find_rows(result.ids);
-      result.numbers = archive.rows(lookup, "nodes", n_halves * n_corners);
+      result.numbers = archive.rows(lookup, "nodes", 2 * n_corners);
       if (model.has_mechanics)
         result.motion = archive.rows(lookup, "motion", (dim + 1) * n_corners);
       std::string problem;

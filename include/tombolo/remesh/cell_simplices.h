@@ -73,8 +73,7 @@ namespace tombolo
   {
     typename SubCells<dim>::Corners result;
     for (unsigned int k = 0; k < nodes.size(); ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-        result[k][d] = position.node(nodes[k])[d];
+      result[k] = point_of<dim>(position.node(nodes[k]));
     return result;
   }
 

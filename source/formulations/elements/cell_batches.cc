@@ -53,15 +53,8 @@ namespace tombolo
           Tensor<2, dim> jacobian;
           for (unsigned int corner = 0; corner < GeometryInfo<dim>::vertices_per_cell; ++corner)
           {
-            unsigned int node = 0;
-            unsigned int stride = 1;
-            for (unsigned int d = 0; d < dim; ++d)
-            {
-              node += ((corner >> d) & 1u) * degree * stride;
-              stride *= degree + 1;
-            }
             jacobian += outer_product(
-                Tensor<1, dim>(points[node]),
+                Tensor<1, dim>(points[node_of_corner<dim>(degree, corner)]),
                 GeometryInfo<dim>::d_linear_shape_function_gradient(quadrature.point(q), corner));
           }
           const double volume = determinant(jacobian) * quadrature.weight(q);

@@ -347,10 +347,7 @@ namespace tombolo
 
       Point<dim> present_position(const types::global_dof_index node) const
       {
-        Point<dim> result;
-        for (unsigned int d = 0; d < dim; ++d)
-          result[d] = position->node(position->partition()->local_index(node))[d];
-        return result;
+        return point_of<dim>(position->node(position->partition()->local_index(node)));
       }
 
       std::string add_point(std::vector<SmoothedRow<dim>> &rows)

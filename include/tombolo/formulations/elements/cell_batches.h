@@ -19,6 +19,16 @@ namespace tombolo
     return (slot / n_lanes * n_points + q) * n_lanes + slot % n_lanes;
   }
 
+  /** The node, lexicographic, at a corner of a cell of this degree. */
+  template <int dim>
+  unsigned int node_of_corner(const unsigned int degree, const unsigned int corner)
+  {
+    unsigned int node = 0;
+    for (unsigned int d = 0, stride = 1; d < dim; ++d, stride *= degree + 1)
+      node += ((corner >> d) & 1u) * degree * stride;
+    return node;
+  }
+
   /** Lagrange functions of a degree on Gauss-Lobatto points, at a point of [-1, 1]^dim, x first. */
   template <int dim>
   std::vector<double> lagrange_values(unsigned int degree, const dealii::Point<dim> &point);

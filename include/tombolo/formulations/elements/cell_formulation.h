@@ -10,7 +10,6 @@
 #include <tombolo/formulations/elements/eroding_cells.h>
 #include <tombolo/formulations/elements/grouped_cells.h>
 #include <tombolo/formulations/linearized_points.h>
-#include <tombolo/formulations/point_stiffness.h>
 #include <tombolo/state/records.h>
 
 #include <algorithm>
@@ -264,11 +263,7 @@ namespace tombolo
 
     void courant_limits(const NodalVector &position, std::vector<double> &time_steps) const override
     {
-      constexpr double removed_time_step = 1e300;
-      const CellBatches<dim> &cells = cell_points.cells();
-      time_steps.assign(this->n_cells(), removed_time_step);
-      const PointStiffness stiffness(part_points);
-      for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
+      const auto length_of = [&](const unsigned int batch)
       {
         typename Points::NodeValues x;
         Lanes volume[Element::n_points];
@@ -276,13 +271,9 @@ namespace tombolo
         Lanes total = 0.;
         for (const Lanes &point_volume : volume)
           total += point_volume;
-        const Lanes time =
-            characteristic_length<dim, Element::degree>(x, total) /
-            (this->material().longitudinal_wave_speed() *
-             square_root(stiffness.squared_speed(Points::first_point(batch), Element::n_points)));
-        for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
-          time_steps[cells.cell_at(batch * n_lanes + lane)] = time[lane];
-      }
+        return characteristic_length<dim, Element::degree>(x, total);
+      };
+      this->find_courant_limits(length_of, time_steps);
     }
 
     void add_conduction(const NodalVector &position, const NodalVector &conductivity_temperature,

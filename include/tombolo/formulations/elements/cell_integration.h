@@ -220,12 +220,6 @@ namespace tombolo
       return reason.empty() && element.is_viscous() ? "forces that resist rates" : reason;
     }
 
-    /** Of the last add_internal_force() or set_initial_state(). */
-    std::string failure() const override
-    {
-      return failure_message;
-    }
-
     /** The power of the forces of t_{n-1} on @p velocity, by which a cell came to @p position. */
     double internal_power(const unsigned int slot, const NodalVector &position,
                           const NodalVector &velocity, const double time_increment) const
@@ -300,7 +294,7 @@ namespace tombolo
 
   protected:
     using Base = LosingCells<dim, Points>;
-    using Base::cell_points, Base::part_points;
+    using Base::cell_points, Base::failure_message, Base::part_points;
 
   private:
     template <int, typename>
@@ -438,6 +432,5 @@ namespace tombolo
     Element element;
     PlasticFlow plastic_flow;
     std::vector<double *> batch_variables; // those of the batch at hand
-    std::string failure_message;
   };
 } // namespace tombolo

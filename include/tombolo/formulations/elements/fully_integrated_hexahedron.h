@@ -85,12 +85,8 @@ namespace tombolo
     static void share(const Work &work, const bool is_logarithmic,
                       MotionIncrement<Lanes> (&motion)[n_points])
     {
-      if constexpr (!mean_dilatation)
-        return;
-      else if (is_logarithmic)
-        MeanDilatation::share_logarithmic<dim>(work.volume, motion);
-      else
-        MeanDilatation::share_strain<dim>(work.volume, motion);
+      if constexpr (mean_dilatation)
+        MeanDilatation::share<dim>(is_logarithmic, work.volume, motion);
     }
 
     void integrate(const Work &work, const Lanes (&stress)[n_points][6],

@@ -4,6 +4,7 @@
 #include <tombolo/base/energy_accounts.h>
 #include <tombolo/formulations/elements/cell_part.h>
 #include <tombolo/formulations/elements/converting_cells.h>
+#include <tombolo/formulations/point_stiffness.h>
 #include <tombolo/mesh/cell_quality.h>
 #include <tombolo/state/state_archive.h>
 
@@ -129,12 +130,8 @@ namespace tombolo
     const unsigned int *const nodes = cells.nodes(slot / n_lanes);
     for (unsigned int corner = 0; corner < vertices.size(); ++corner)
     {
-      unsigned int k = 0, stride = 1;
-      for (unsigned int d = 0; d < dim; ++d, stride *= degree + 1)
-        k += ((corner >> d) & 1u) * degree * stride;
-      const double *const x = position.node(nodes[k * n_lanes + slot % n_lanes]);
-      for (unsigned int d = 0; d < dim; ++d)
-        vertices[corner][d] = x[d];
+      const unsigned int k = node_of_corner<dim>(degree, corner);
+      vertices[corner] = point_of<dim>(position.node(nodes[k * n_lanes + slot % n_lanes]));
     }
     return !(smallest_corner<dim>(vertices) >= *criterion.smallest_jacobian);
   }
@@ -205,6 +202,12 @@ namespace tombolo
       return result;
     }
 
+    /** Of the last forces, or of the start. */
+    std::string failure() const override
+    {
+      return failure_message;
+    }
+
     const ConversionCriterion &conversion() const override
     {
       return criterion;
@@ -245,8 +248,30 @@ namespace tombolo
     }
 
   protected:
+    /** courant_limits() with the length of eq. (41) of the cells of each batch, length_of(batch).
+     */
+    template <typename LengthOf>
+    void find_courant_limits(const LengthOf &length_of, std::vector<double> &time_steps) const
+    {
+      time_steps.assign(this->n_cells(), StepLimit().time_step);
+      const CellBatches<dim> &cells = cell_points.cells();
+      const PointStiffness stiffness(this->part_points);
+      const double wave_speed = this->material().longitudinal_wave_speed();
+      const unsigned int n_points = this->n_points_per_cell();
+      for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
+      {
+        const Lanes length = length_of(batch);
+        const Lanes time =
+            length / (wave_speed * square_root(stiffness.squared_speed(
+                                       std::size_t(batch) * n_points * n_lanes, n_points)));
+        for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+          time_steps[cells.cell_at(batch * n_lanes + lane)] = time[lane];
+      }
+    }
+
     using CellPart<dim, Points>::cell_points;
     ConversionCriterion criterion; ///< of conversion
     LostCells lost_cells;
+    std::string failure_message;
   };
 } // namespace tombolo

@@ -238,7 +238,7 @@ namespace tombolo
       const dealii::Tensor<1, dim> own_offset = touch.own_lever * normal,
                                    other_offset = -touch.other_lever * normal;
       dealii::Tensor<1, dim> slide =
-          (components_at(motion, touch.other) - components_at(motion, touch.own)) +
+          (vector_of<dim>(motion.node(touch.other)) - vector_of<dim>(motion.node(touch.own))) +
           (cross_product(other_end, other_offset) - cross_product(own_end, own_offset));
       slide -= (slide * normal) * normal;
       std::array<double, 3> spin;
@@ -316,14 +316,6 @@ namespace tombolo
       return result;
     }
 
-    static dealii::Tensor<1, dim> components_at(const NodalVector &vector, const unsigned int node)
-    {
-      dealii::Tensor<1, dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] = vector.node(node)[d];
-      return result;
-    }
-
     /** g = F⁻ᵀ∇φ of entry @p k. */
     static dealii::Tensor<1, dim> gradient_at_present(const Stencils::Row &row,
                                                       const unsigned int k,
@@ -342,10 +334,10 @@ namespace tombolo
                                              const NodalVector &displacement)
     {
       const Stencils::Row row = shape.row(i);
-      const auto own = components_at(displacement, shape.particle_node[i]);
+      const auto own = vector_of<dim>(displacement.node(shape.particle_node[i]));
       dealii::Tensor<2, dim> gradient;
       for (unsigned int k = 0; k < row.size; ++k)
-        gradient += outer_product(components_at(displacement, row.neighbour[k]) - own,
+        gradient += outer_product(vector_of<dim>(displacement.node(row.neighbour[k])) - own,
                                   gradient_at_present(row, k, inverse));
       std::array<double, 3> axial{};
       axial[2] = 0.5 * (gradient[1][0] - gradient[0][1]);

@@ -131,8 +131,7 @@ namespace tombolo
       const Stencils &shape = stencils();
       points.resize(shape.n_particles());
       for (unsigned int i = 0; i < shape.n_particles(); ++i)
-        for (unsigned int d = 0; d < dim; ++d)
-          points[i][d] = position.node(shape.particle_node[i])[d];
+        points[i] = point_of<dim>(position.node(shape.particle_node[i]));
     }
     const std::vector<dealii::Point<dim>> &initial_point_positions() const override
     {

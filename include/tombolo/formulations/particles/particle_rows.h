@@ -338,8 +338,7 @@ namespace tombolo
     std::string particle_at(const unsigned int row, const double *const position) const
     {
       const double *const x = position + std::size_t(shape.particle_node[row]) * node_stride;
-      return "The particle at " +
-             position_text(dealii::Tensor<1, dim>(dealii::make_array_view(x, x + dim)));
+      return "The particle at " + position_text(vector_of<dim>(x));
     }
 
     Section section;
@@ -352,10 +351,9 @@ namespace tombolo
       fill(neighbours, position, support, shape);
       if (has_started)
         return;
-      const std::string message = describe_defects(position, support);
-      for (const std::string &rank_text : texts_of_ranks(communicator, message))
-        if (!rank_text.empty())
-          section.fail(support_entry(), rank_text);
+      const std::string message = first_text(communicator, describe_defects(position, support));
+      if (!message.empty())
+        section.fail(support_entry(), message);
     }
     /** Sets @p reference, with its ghosts, to the positions of @p particles in the reference of @p
      * kernel, with the numbers of the rows. Collective. */

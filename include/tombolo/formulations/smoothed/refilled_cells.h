@@ -112,10 +112,7 @@ namespace tombolo
             {
               result = as_text("(", cell->center(), ")");
             }
-      for (const std::string &rank_text : texts_of_ranks(setup.communicator, result))
-        if (!rank_text.empty())
-          return rank_text;
-      return {};
+      return first_text(setup.communicator, result);
     }
 
     template <int dim>

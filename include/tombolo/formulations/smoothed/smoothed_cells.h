@@ -4,7 +4,6 @@
 #include <tombolo/approximation/row_deformation.h>
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/formulations/elements/cell_size.h>
-#include <tombolo/formulations/point_stiffness.h>
 #include <tombolo/formulations/smoothed/refilled_cells.h>
 #include <tombolo/formulations/smoothed/smoothed_cell.h>
 #include <tombolo/formulations/smoothed/smoothed_integration.h>
@@ -99,25 +98,18 @@ namespace tombolo
     }
     void courant_limits(const NodalVector &position, std::vector<double> &time_steps) const override
     {
-      time_steps.assign(this->n_cells(), 1e300);
-      const CellBatches<dim> &cells = cell_points.cells();
-      const PointStiffness stiffness(part_points);
       const double *const volumes = this->points().component(MaterialPoints::volume, 0);
       const unsigned int n_points = this->n_points_per_cell();
-      for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
+      const auto length_of = [&](const unsigned int batch)
       {
         Lanes x[n_corners][dim], total = 0.;
         for (unsigned int k = 0; k < n_corners; ++k)
-          gather_nodes<dim>(position.data(), cells.nodes(batch) + k * n_lanes, x[k]);
-        const std::size_t first = std::size_t(batch) * n_points * n_lanes;
+          gather_nodes<dim>(position.data(), cell_points.cells().nodes(batch) + k * n_lanes, x[k]);
         for (unsigned int q = 0; q < n_points; ++q)
-          total += load_lanes(volumes + first + q * n_lanes);
-        const Lanes time = characteristic_length<dim, 1>(x, total) /
-                           (this->material().longitudinal_wave_speed() *
-                            square_root(stiffness.squared_speed(first, n_points)));
-        for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
-          time_steps[cells.cell_at(batch * n_lanes + lane)] = time[lane];
-      }
+          total += load_lanes(volumes + (std::size_t(batch) * n_points + q) * n_lanes);
+        return characteristic_length<dim, 1>(x, total);
+      };
+      this->find_courant_limits(length_of, time_steps);
     }
     void add_extra_mass(const std::vector<double> &inertia, NodalVector &mass) const override
     {

@@ -124,10 +124,6 @@ namespace tombolo
             }
           });
     }
-    std::string failure() const override
-    {
-      return failure_message;
-    }
     void find_cell_equations(const MechanicalInput &input,
                              const std::function<void(const CellEquations &)> &take) override
     {
@@ -175,7 +171,7 @@ namespace tombolo
 
   protected:
     using Base = LosingCells<dim, PointsInCells<dim>>;
-    using Base::cell_points, Base::part_points;
+    using Base::cell_points, Base::failure_message, Base::part_points;
 
     SmoothedGradients<dim> rows;
 
@@ -259,7 +255,5 @@ namespace tombolo
       else
         use(std::integral_constant<unsigned int, SubCells<dim>::n_sub_cells>());
     }
-
-    std::string failure_message;
   };
 } // namespace tombolo
