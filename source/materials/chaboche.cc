@@ -101,7 +101,7 @@ namespace tombolo
    * follows from |A| - Δp (3G + Σ w_k C_k) = σ_y. What the α_k store, Σ 3/(4 C_k) α_k : α_k, is
    * "pressure work" of the point; the rest of the plastic work is lost, and heats.
    */
-  class Chaboche : public LinearElastic, public Melting
+  class Chaboche : public LinearElastic
   {
   public:
     explicit Chaboche(const Entries &e) : LinearElastic(e)
@@ -179,7 +179,7 @@ namespace tombolo
 
     double melts_at() const override
     {
-      return melting_temperature_of(*flow_stress);
+      return flow_stress->melts_at();
     }
 
     double cost_per_point() const override

@@ -190,7 +190,7 @@ namespace tombolo
    * and logarithms are taken where the material flows. Where the section requests it, the pressure
    * is that of an equation of state, and points have a damage.
    */
-  class J2Plasticity : public LinearElastic, public Melting
+  class J2Plasticity : public LinearElastic
   {
   public:
     explicit J2Plasticity(const Entries &e) : LinearElastic(e)
@@ -271,7 +271,7 @@ namespace tombolo
     }
     double melts_at() const override
     {
-      return melting_temperature_of(*flow_stress);
+      return flow_stress->melts_at();
     }
     double cost_per_point() const override
     {

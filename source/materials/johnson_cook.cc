@@ -24,7 +24,7 @@ namespace tombolo
    * 1983). The factor of the rate is 1 below ε̇₀, and T* stays in [0, 1]: a molten point carries no
    * deviatoric stress.
    */
-  class JohnsonCook : public FlowStress, public Melting
+  class JohnsonCook : public FlowStress
   {
   public:
     explicit JohnsonCook(const Entries &e) : section(e.section())

@@ -5,6 +5,7 @@
 #include <tombolo/base/input/registry.h>
 
 #include <cmath>
+#include <limits>
 
 namespace tombolo
 {
@@ -34,6 +35,12 @@ namespace tombolo
     virtual void check_initial_temperature(double /*temperature*/) const {}
 
     virtual void evaluate(const FlowStressBatch &batch) const = 0;
+
+    /** The temperature from which on there is none; infinity: there is no such one. */
+    virtual double melts_at() const
+    {
+      return std::numeric_limits<double>::infinity();
+    }
 
     /** The cost of all evaluations of a step for a point, in the mean of a run in which some points
      * flow, in the units of Material::cost_per_point(). */

@@ -129,6 +129,12 @@ namespace tombolo
     virtual void update_stress_and_tangent(MaterialBatch &batch,
                                            const MaterialTangent &tangent) const;
 
+    /** The temperature from which on there is no flow stress; infinity: there is no such one. */
+    virtual double melts_at() const
+    {
+      return std::numeric_limits<double>::infinity();
+    }
+
     /** The flow stress of a slow test at an effective plastic strain and a temperature, without
      * damage; infinite where nothing flows [M/(L T^2)]. */
     virtual double slow_yield_stress(double /*plastic_strain*/, double /*temperature*/) const
@@ -176,21 +182,4 @@ namespace tombolo
   {
     static constexpr const char *name = "material";
   };
-
-  /** What has a melting temperature: a material, or what one is made of, derives from it. */
-  class Melting
-  {
-  public:
-    virtual ~Melting() = default;
-
-    virtual double melts_at() const = 0;
-  };
-
-  /** That of a material or of what one is made of; infinite where it has none. */
-  template <typename Object>
-  double melting_temperature_of(const Object &object)
-  {
-    const auto *const melting = dynamic_cast<const Melting *>(&object);
-    return melting != nullptr ? melting->melts_at() : std::numeric_limits<double>::infinity();
-  }
 } // namespace tombolo

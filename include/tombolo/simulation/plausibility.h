@@ -82,7 +82,7 @@ namespace tombolo
     {
       for (const Part<dim> &part : model.parts)
       {
-        const double melting_temperature = melting_temperature_of(*part.material);
+        const double melting_temperature = part.material->melts_at();
         const MaterialPoints &points = part.formulation->points();
         const unsigned int field = points.find_field("temperature");
         if (!std::isfinite(melting_temperature) || field == points.fields().size())

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/entries.h>
-#include <tombolo/formulations/failure/bond_failure.h>
+#include <tombolo/formulations/failure/bond_check.h>
 
 #include <deal.II/base/symmetric_tensor.h>
 

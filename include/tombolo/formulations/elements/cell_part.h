@@ -2,7 +2,7 @@
 #pragma once
 
 #include <tombolo/formulations/elements/cell_points.h>
-#include <tombolo/formulations/elements/jacobian.h>
+#include <tombolo/formulations/elements/element_modes.h>
 #include <tombolo/formulations/elements/lagrange_hexahedron.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/materials/thermal_properties.h>

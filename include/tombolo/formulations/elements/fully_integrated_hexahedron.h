@@ -3,7 +3,6 @@
 
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/elements/element_modes.h>
-#include <tombolo/formulations/elements/jacobian.h>
 #include <tombolo/formulations/mean_dilatation.h>
 
 #include <vector>

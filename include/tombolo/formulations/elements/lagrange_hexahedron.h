@@ -4,7 +4,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <tombolo/formulations/elements/element.h>
-#include <tombolo/formulations/elements/jacobian.h>
+#include <tombolo/formulations/elements/element_modes.h>
 
 #include <array>
 #include <vector>
