@@ -7,7 +7,6 @@
 #include <tombolo/coupling/mass_split.h>
 #include <tombolo/state/nodal_state.h>
 
-#include <cstdint>
 #include <memory>
 #include <vector>
 

@@ -7,8 +7,6 @@
 #include <tombolo/remesh/simplex_pairs.h>
 #include <tombolo/state/nodal_vector.h>
 
-#include <deal.II/base/tensor.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>

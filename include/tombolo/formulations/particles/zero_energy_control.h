@@ -14,7 +14,6 @@
 #include <tombolo/materials/material.h>
 #include <tombolo/state/material_points.h>
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
