@@ -17,7 +17,7 @@ namespace tombolo
     constexpr unsigned int points_per_direction = 3;
 
     template <int dim>
-    ContactFaces<dim> faces_of(ContactScene<dim> &scene)
+    typename ContactFaces<dim>::Selector selector_of(const ContactScene<dim> &scene)
     {
       const Section &section = scene.section;
       const Nodes<dim> &nodes = scene.nodes;
@@ -27,10 +27,8 @@ namespace tombolo
                                    "kinematic.");
       if (!section.get("Where").empty())
         section.fail("Where", "with `Method = surface` faces touch; allowed is a `Boundary`.");
-      const std::set<types::boundary_id> boundaries = scene.boundaries();
-      return ContactFaces<dim>(
-          nodes, [&](const typename Nodes<dim>::Cell &cell, const unsigned int face)
-          { return boundaries.empty() || boundaries.count(cell->face(face)->boundary_id()) > 0; });
+      return [boundaries = scene.boundaries()](const auto &cell, const unsigned int face)
+      { return boundaries.empty() || boundaries.count(cell->face(face)->boundary_id()) > 0; };
     }
   } // namespace
 
@@ -59,7 +57,8 @@ namespace tombolo
    * the pressure is that of the f_I. Points share out the friction of a node by their depths, and
    * so are motions weighted.
    *
-   * Faces are those of cells of degree 1 on the boundary of the mesh.
+   * Faces are those of cells of degree 1 on the boundary of the mesh, and below cells that are
+   * gone.
    */
   template <int dim>
   class FaceContact : public SpringContact<dim>
@@ -67,17 +66,30 @@ namespace tombolo
   public:
     /** As that of SurfaceContact. Throws InputError. Collective. */
     explicit FaceContact(ContactScene<dim> &scene)
-        : SpringContact<dim>(scene), faces(faces_of(scene)), shapes(1, points_per_direction)
+        : SpringContact<dim>(scene), selects(selector_of(scene)), faces(scene.nodes, selects),
+          shapes(1, points_per_direction)
     {
       set_partition(scene.state.partition());
       last_position.copy_from(scene.state.position);
       this->records.nodal("last position", dim, last_position);
+      this->records.archived([this](const auto &) { former_faces.reset(); });
+    }
+
+    void renew_faces(const Nodes<dim> &nodes,
+                     const typename ContactFaces<dim>::IsGone &is_gone) override
+    {
+      SurfaceContact<dim>::renew_faces(nodes, is_gone);
+      if (!former_faces)
+        former_faces = std::make_unique<ContactFaces<dim>>(std::move(faces));
+      faces = ContactFaces<dim>(nodes, selects, is_gone);
     }
 
     void set_partition(const std::shared_ptr<const NodePartition> &partition) override
     {
       SurfaceContact<dim>::set_partition(partition);
       faces.set_partition(partition);
+      if (former_faces)
+        former_faces->set_partition(partition);
       sums.reinit(partition, Quantity::scalars);
       pressures.reinit(partition, Quantity::scalar);
       for (NodalVector *const vector : {&normals, &motions, &tangentials, &forces})
@@ -94,7 +106,20 @@ namespace tombolo
       if (!this->begin_forces(state, clock, nodal_heat))
         return;
       this->find_areas(state);
+      // Until now the former faces have pressed.
+      if (former_faces)
+        std::swap(faces, *former_faces);
       sum_points(state.position, clock);
+      past_approaches.clear();
+      for (const unsigned int node : this->candidates)
+        past_approaches.push_back(
+            sums.node(node)[area] > 0. ? motions.node(node)[approach] / sums.node(node)[area] : 0.);
+      if (former_faces)
+      {
+        std::swap(faces, *former_faces);
+        former_faces.reset();
+        sum_points(state.position, clock);
+      }
       double mass_in_contact = 0;
       for (const unsigned int node : this->candidates)
         if (sums.node(node)[pressed] > 0.)
@@ -151,6 +176,7 @@ namespace tombolo
     void reset_motion(const NodalState &state) override
     {
       SpringContact<dim>::reset_motion(state);
+      former_faces.reset();
       last_position.copy_from(state.position);
     }
 
@@ -350,7 +376,7 @@ namespace tombolo
     void sum_points(const NodalVector &position, const Clock &clock)
     {
       for (NodalVector *const vector : {&sums, &normals, &motions})
-        for (const unsigned int node : faces.owned_nodes())
+        for (const unsigned int node : this->candidates)
           std::fill_n(vector->node(node), node_stride, 0.);
       find_points(position, clock);
       gather();
@@ -379,8 +405,7 @@ namespace tombolo
       if (!(node_sums[pressed] > 0. && normal.norm() > 0.) || mass == 0.)
       {
         ContactMotion<dim> move(0., Tensor<1, dim>(), Tensor<1, dim>());
-        if (mass > 0. && node_sums[area] > 0.)
-          move.past_approach = motions.node(node)[approach] / node_sums[area];
+        move.past_approach = past_approaches[k];
         if (spring.is_closed())
           this->release(k, move, nodal_heat);
         return;
@@ -391,7 +416,7 @@ namespace tombolo
       ContactMotion<dim> move(node_sums[depth] / node_sums[area],
                               vector_of<dim>(motions.node(node)) / whole, normal);
       move.approach = normals.node(node)[approach] / node_sums[area];
-      move.past_approach = motions.node(node)[approach] / node_sums[area];
+      move.past_approach = past_approaches[k];
       this->press(k, move, mass, node_sums[pressed] / whole, clock, nodal_heat);
       *pressures.node(node) =
           (is_static() ? spring.stiffness : spring.normal_force()) / node_sums[area];
@@ -462,7 +487,10 @@ namespace tombolo
       }
     }
 
+    typename ContactFaces<dim>::Selector selects;
     ContactFaces<dim> faces;
+    std::unique_ptr<ContactFaces<dim>> former_faces; ///< those of t_{n-1}; null if it has the same
+    std::vector<double> past_approaches;             ///< of candidates, of points on these [L]
     FaceShapes<dim> shapes;
     std::vector<Point> points;
     NodalVector sums, normals, motions; ///< at nodes
@@ -474,7 +502,6 @@ namespace tombolo
   template <int dim>
   std::unique_ptr<SurfaceContact<dim>> make_face_contact(ContactScene<dim> &scene)
   {
-    scene.can_be_exposed.assign(scene.can_be_exposed.size(), false);
     return std::make_unique<FaceContact<dim>>(scene);
   }
 

@@ -430,6 +430,12 @@ class BitwiseContacts(BitwiseCase):
                    "subsection Output\n  set Times = 0.002, 0.004\n  set Write solution = true\nend\n")
         self.check_on_ranks("part.prm", 20, (0.8,), (0.5,))
 
+    def test_faces_below_cells_that_are_removed(self):
+        self.write("punch.prm", f"include {REGRESSION}/punch.prm\nset Output directory = output\n"
+                   "set End time = 0.3\nsubsection Contact: tool\n  set Method = surface\n"
+                   "  set Conductance = 5\n  set Tool temperature = 100\nend\n")
+        self.check_on_ranks("punch.prm", 20, (0.3, 0.6), (0.5,))
+
     def test_two_parts_that_collide(self):
         body_meshes.write("two_blocks.msh", self.path())
         self.write("parts.prm", scene_of_regression(

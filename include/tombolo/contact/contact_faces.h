@@ -92,7 +92,10 @@ namespace tombolo
     ContactFaces(const Nodes<dim> &nodes, const Selector &selects, const IsGone &is_gone = {})
     {
       const auto is_exposed = [&](const Cell &cell, const unsigned int f)
-      { return is_gone && !cell->at_boundary(f) && is_gone(cell->neighbor(f)); };
+      {
+        return is_gone && !cell->at_boundary(f) && cell->neighbor(f)->is_active() &&
+               is_gone(cell->neighbor(f));
+      };
       const auto is_of_side = [&](const Cell &cell, const unsigned int f)
       {
         return !(is_gone && is_gone(cell)) &&

@@ -120,6 +120,14 @@ namespace tombolo
       return areas.get();
     }
 
+    /** Finds the faces of the cells that are left; set_partition() must follow. */
+    virtual void renew_faces(const Nodes<dim> &nodes,
+                             const typename OutwardAreas<dim>::IsVoid &is_gone)
+    {
+      if (areas)
+        areas->select_faces(nodes, is_gone);
+    }
+
     /** Adds the forces on nodes in contact in the positions at t_n to owned nodes of @p loads, and
      * these nodes to @p loaded_nodes; friction can need @p nodal_heat. Collective. */
     virtual void add_forces(const NodalState & /*state*/, const Clock & /*clock*/,

@@ -12,6 +12,7 @@
 #include <tombolo/model/tangent.h>
 #include <tombolo/physics/mechanics/contact_columns.h>
 #include <tombolo/physics/mechanics/named_parts.h>
+#include <tombolo/physics/mechanics/removed_cells.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -27,27 +28,6 @@
 
 namespace tombolo
 {
-  /** Which cells are no cells of their parts any more, by the index of active cells, ghosts among
-   * them; nothing where no part can lose any. Collective. */
-  template <int dim>
-  std::vector<bool> removed_cells(const Model<dim> &model)
-  {
-    std::vector<bool> result;
-    if (std::none_of(model.parts.begin(), model.parts.end(),
-                     [](const Part<dim> &part) { return part.formulation->can_lose_cells(); }))
-      return result;
-    result.resize(model.mesh.triangulation.n_active_cells(), false);
-    for (unsigned int p = 0; p < model.parts.size(); ++p)
-    {
-      const auto cells = cells_of_part(*model.nodes, *model.part_cells, p);
-      for (unsigned int c = 0; c < model.parts[p].formulation->n_cells(); ++c)
-        if (model.parts[p].formulation->is_removed(c))
-          result[cells[c]->active_cell_index()] = true;
-    }
-    update_ghost_flags(*model.nodes, result);
-    return result;
-  }
-
   namespace
   {
     /** Refuses a side without parts and boundary. */
@@ -520,10 +500,8 @@ namespace tombolo
 
     void renew_faces(const Model<dim> &model)
     {
-      std::vector<bool> now = removed_cells(model);
-      if (Utilities::MPI::max(now == is_gone ? 0 : 1, communicator) == 0)
+      if (!removed_cells_differ(model, is_gone))
         return;
-      is_gone = std::move(now);
       for (std::size_t k = 0; k < members.size(); ++k)
         members[k]->renew_faces(*model.nodes, selectors[k][0], selectors[k][1],
                                 [&](const typename Nodes<dim>::Cell &cell)

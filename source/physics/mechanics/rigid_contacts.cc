@@ -160,7 +160,6 @@ namespace tombolo
   {
     force.comes_from_outside().stays_on_rank();
     const bool has_heat = model.heat != nullptr;
-    const std::vector<bool> can_be_exposed = ContactNodes<dim>(model).nodes_that_can_be_exposed();
     const bool needs_volume =
         has_heat || std::any_of(sections.begin(), sections.end(),
                                 [&](const Section &section)
@@ -172,7 +171,7 @@ namespace tombolo
         needs_volume ? ContactNodes<dim>(model).volume_of_nodes() : std::vector<double>();
     std::vector<KinematicContact<dim> *> kinematic;
     for (const Section &section : sections)
-      create_contact(section, model, can_be_exposed, volume, kinematic);
+      create_contact(section, model, volume, kinematic);
     yield_stress = NodalYieldStress<dim>::create(members);
     heated_friction = std::make_unique<HeatedFriction<dim>>(members, model, this->records);
     create_heat(has_heat);
@@ -201,15 +200,21 @@ namespace tombolo
 
   template <int dim>
   void RigidContacts<dim>::create_contact(const Section &section, const Model<dim> &model,
-                                          const std::vector<bool> &can_be_exposed,
                                           const std::vector<double> &volume,
                                           std::vector<KinematicContact<dim> *> &kinematic)
   {
     const bool has_heat = model.heat != nullptr;
     const ContactSettings settings(section, has_heat);
     ContactNodes<dim>(model).refuse_faces_of_void_cells(section, settings);
-    ContactScene<dim> scene{section,        model.mesh, *model.nodes, model.state,
-                            can_be_exposed, has_heat,   volume,       {}};
+    ContactScene<dim> scene{
+        section,
+        model.mesh,
+        *model.nodes,
+        model.state,
+        ContactNodes<dim>(model).nodes_that_can_be_exposed(settings.is_of_faces),
+        has_heat,
+        volume,
+        {}};
     if (settings.is_of_faces)
       members.push_back(make_face_contact(scene));
     else if (settings.is_kinematic)
@@ -327,7 +332,7 @@ namespace tombolo
   template <int dim>
   void RigidContacts<dim>::model_changed(const Model<dim> &model)
   {
-    ContactNodes<dim>(model).set_faces_of_full_cells(members);
+    ContactNodes<dim>(model).renew_faces(members, is_gone);
     for (const auto &contact : members)
       contact->set_partition(model.state.partition());
     heated_friction->invalidate_coefficients();

@@ -7,6 +7,7 @@
 #include <tombolo/formulations/failure/bonds.h>
 #include <tombolo/formulations/smoothed/smoothed_cells.h>
 #include <tombolo/model/model.h>
+#include <tombolo/physics/mechanics/removed_cells.h>
 
 #include <algorithm>
 #include <cmath>
@@ -57,15 +58,15 @@ namespace tombolo
       return volume;
     }
 
-    /** Owned nodes that can be touched inside of the body: particles, which lose bonds, and nodes
-     * of cells that can be deactivated. */
-    std::vector<bool> nodes_that_can_be_exposed() const
+    /** Owned nodes that can be touched inside of the body: nodes of cells that can be deactivated
+     * and, unless faces touch, particles, which lose bonds. */
+    std::vector<bool> nodes_that_can_be_exposed(const bool are_faces) const
     {
       const auto &partition = model.state.partition();
       std::vector<bool> can_be_exposed(partition->n_owned(), false);
       for (const Part<dim> &part : model.parts)
         for (const unsigned int node : part.formulation->particle_nodes())
-          can_be_exposed[node] = true;
+          can_be_exposed[node] = !are_faces;
       std::vector<types::global_dof_index> cell_nodes;
       for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
         if (!cell->is_artificial() &&
@@ -79,21 +80,29 @@ namespace tombolo
       return can_be_exposed;
     }
 
-    /** Sets the faces of contacts to those of the cells that are full now, where refills fill and
-     * empty cells; their partition must be set then. */
-    void
-    set_faces_of_full_cells(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts) const
+    /** Sets the faces of contacts to those of the cells that are left, where these are others than
+     * for @p is_gone; their partition must be set then. Collective. */
+    void renew_faces(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
+                     std::vector<bool> &is_gone) const
     {
-      const auto is_void = void_cells();
+      if (!removed_cells_differ(model, is_gone))
+        return;
       for (const auto &contact : contacts)
-        if (is_void && contact->faces() != nullptr)
-          contact->faces()->select_faces(*model.nodes, is_void);
+        contact->renew_faces(*model.nodes, [&](const typename Nodes<dim>::Cell &cell)
+                             { return is_gone[cell->active_cell_index()]; });
     }
 
     /** Throws the InputError of a contact by faces, where refills fill and empty cells. */
     void refuse_faces_of_void_cells(const Section &section, const ContactSettings &settings) const
     {
-      if (settings.is_of_faces && void_cells())
+      if (settings.is_of_faces &&
+          std::any_of(model.parts.begin(), model.parts.end(),
+                      [](const Part<dim> &part)
+                      {
+                        const auto *const cells =
+                            dynamic_cast<const SmoothedCells<dim> *>(part.formulation.get());
+                        return cells != nullptr && cells->refill().fills_cells;
+                      }))
         section.fail("Method",
                      "refills of a part fill and empty cells (`Refill void cells`), whose "
                      "faces this contact does not follow; allowed is penalty.");
@@ -196,28 +205,6 @@ namespace tombolo
     }
 
   private:
-    /** Returns whether cells are void, of parts whose refills fill and empty cells; empty where
-     * there are no such parts. Refers to the model. */
-    typename OutwardAreas<dim>::IsVoid void_cells() const
-    {
-      std::vector<const VoidCells<dim> *> part_voids;
-      bool any = false;
-      for (const Part<dim> &part : model.parts)
-      {
-        const auto *const cells = dynamic_cast<const SmoothedCells<dim> *>(part.formulation.get());
-        const bool fills = cells != nullptr && cells->refill().fills_cells;
-        part_voids.push_back(fills ? &cells->void_cells() : nullptr);
-        any = any || fills;
-      }
-      if (!any)
-        return {};
-      return [part_voids, &model = model](const typename Nodes<dim>::Cell &cell)
-      {
-        const VoidCells<dim> *const voids = part_voids[model.part_cells->part_of(cell)];
-        return voids != nullptr && voids->is_void(cell);
-      };
-    }
-
     const Model<dim> &model;
   };
 } // namespace tombolo

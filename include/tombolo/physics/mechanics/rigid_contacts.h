@@ -74,7 +74,7 @@ namespace tombolo
 
   private:
     void create_contact(const Section &section, const Model<dim> &model,
-                        const std::vector<bool> &can_be_exposed, const std::vector<double> &volume,
+                        const std::vector<double> &volume,
                         std::vector<KinematicContact<dim> *> &kinematic);
     void create_heat(bool has_heat);
     /** Connects to signals of the model, and adds outputs. */
@@ -94,6 +94,7 @@ namespace tombolo
     MPI_Comm communicator;
     std::vector<std::unique_ptr<SurfaceContact<dim>>> members;
     std::map<std::size_t, std::unique_ptr<Corridor<dim>>> corridors; ///< of members that have one
+    std::vector<bool> is_gone;                    ///< removed_cells() at the last change
     std::unique_ptr<KinematicSolver<dim>> solver; ///< null where no contact is kinematic
     Action &force;
     Action *kinematic_force = nullptr; ///< where a contact is kinematic
