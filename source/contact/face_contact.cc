@@ -105,7 +105,6 @@ namespace tombolo
     {
       if (!this->begin_forces(state, clock, nodal_heat))
         return;
-      this->find_areas(state);
       // Until now the former faces have pressed.
       if (former_faces)
         std::swap(faces, *former_faces);
@@ -265,7 +264,7 @@ namespace tombolo
       squares  ///< ∫ N_I <-g>² dA
     };
     /** The slot with the integrals of approaches: in normals of points that are behind it, in
-     * motions of those that were. */
+     * motions of those that were, in static steps the area of those that touch. */
     static constexpr unsigned int approach = node_stride - 1;
 
     /** Finds the points behind the surface at t_n or before, and A_I. */
@@ -366,7 +365,7 @@ namespace tombolo
             motions.node(node)[d] += rubbing * point.motion[d];
           }
           normals.node(node)[approach] += weight * point.approach;
-          motions.node(node)[approach] += weight * point.past_approach;
+          motions.node(node)[approach] += weight * (is_static() ? 1. : point.past_approach);
         }
       for (NodalVector *const vector : {&sums, &normals, &motions})
         vector->add_to_owners();
@@ -417,7 +416,8 @@ namespace tombolo
                               vector_of<dim>(motions.node(node)) / whole, normal);
       move.approach = normals.node(node)[approach] / node_sums[area];
       move.past_approach = past_approaches[k];
-      this->press(k, move, mass, node_sums[pressed] / whole, clock, nodal_heat);
+      this->press(k, move, mass, is_static() ? motions.node(node)[approach] : node_sums[pressed],
+                  node_sums[pressed] / whole, clock, nodal_heat);
       *pressures.node(node) =
           (is_static() ? spring.stiffness : spring.normal_force()) / node_sums[area];
       for (unsigned int d = 0; d < dim; ++d)

@@ -33,16 +33,15 @@ namespace tombolo
 
   template <int dim>
   void SpringContact<dim>::press(const std::size_t candidate, const ContactMotion<dim> &move,
-                                 const double mass, const double share, const Clock &clock,
-                                 const NodalHeat &nodal_heat)
+                                 const double mass, const double area, const double share,
+                                 const Clock &clock, const NodalHeat &nodal_heat)
   {
     ContactSpring<dim> &spring = springs[candidate];
     this->settings.law.press(move, mass, clock.stable_step, clock.previous_step, spring,
                              this->totals.damping);
-    const double area = this->area(candidate, move.normal);
     if (this->settings.friction.largest() > 0.)
     {
-      const double shear_limit = this->shear_limit(candidate, area);
+      const double shear_limit = this->shear_limit(candidate, area / share);
       const auto limit_of = [&](const double coefficient)
       { return std::min(coefficient * spring.normal_force(), shear_limit); };
       const auto heat_of = [&](const double coefficient)
@@ -217,7 +216,7 @@ namespace tombolo
         {
           const double mass = *state.mass.node(candidates[k]) / below.mass_ratio;
           // Nodes that only touch have no depth: no spring pulls.
-          this->press(k, move, mass, 1., clock, nodal_heat);
+          this->press(k, move, mass, this->area(k, normal), 1., clock, nodal_heat);
           force = springs[k].force(normal);
         }
         else

@@ -460,10 +460,10 @@ namespace tombolo
   protected:
     using typename SurfaceContact<dim>::NodeHistory;
 
-    /** Moves the spring of a candidate of this @p mass, with friction and heat. @p share is that of
-     * its area that is pressed. */
-    void press(std::size_t candidate, const ContactMotion<dim> &move, double mass, double share,
-               const Clock &clock, const NodalHeat &nodal_heat);
+    /** Moves the spring of a candidate of this @p mass, with friction and heat. Its @p area that is
+     * pressed bears the @p share of its force. */
+    void press(std::size_t candidate, const ContactMotion<dim> &move, double mass, double area,
+               double share, const Clock &clock, const NodalHeat &nodal_heat);
     /** Coulomb's coefficient c with the heat of this step, heat_of(c). */
     template <typename HeatOf>
     double implicit_friction(const std::size_t candidate, const NodalHeat &nodal_heat,
