@@ -2,6 +2,7 @@
 #include <tombolo/base/clock.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/model/internal_power.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/output.h>
 #include <tombolo/physics/mechanics/condition_accounts.h>
@@ -13,6 +14,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -130,6 +132,12 @@ namespace tombolo
    * reactions at both ends on v_{n-1/2}. Impulse and work of each condition are kept besides the
    * sums. With affine smoothing, whose angular momentum is that about x̂, the reactions have a
    * further moment: ConstrainedParticles::find_moments().
+   *
+   * What is prescribed is not smoothed: where a condition begins or ceases to act at t_n, S becomes
+   * S'. Inertia does half of the work of the forces at t_{n-1} on S v̂_{n-1/2}, and that of the
+   * forces at t_n on S' v̂_{n-1/2}. Particles whose positions move with S v̂ strain by it, so that
+   * the condition does the work ½ Δt_n F_n (S' - S) v̂. Others strain by S' v̂: it does that of the
+   * internal forces at t_{n-1} on the same difference.
    */
   template <int dim>
   class PrescribedMotion : public Process<dim>
@@ -172,16 +180,40 @@ namespace tombolo
       if (!conditions.will_change(clock.time))
         return change;
       changed.begin_change();
+      const double step = clock.previous_step;
+      const auto operators = changed.bridge->operators();
+      const bool smooths = step > 0. && operators != Bridge::Operators::identity;
+      const double power =
+          smooths && operators != Bridge::Operators::affine ? internal_power(changed, step) : 0.;
+      const NodalVector velocity_before = changed.state.velocity.copy();
+      condition_of_change = first_to_change(clock.time);
       acting_since = clock.time;
       changed.conditions->act_at(acting_since);
       changed.conditions->set_partition(*changed.state.partition());
       changed.renew_inertia();
+      if (smooths && operators == Bridge::Operators::affine)
+      {
+        // Particles strain as they have moved.
+        changed.bridge->move_with_smoothed_velocity(changed.state, 0.);
+        velocity_after = changed.state.velocity.copy();
+        changed.state.velocity.copy_from(velocity_before);
+      }
+      else if (smooths)
+      {
+        changed.bridge->smooth_velocity(changed.state);
+        add_work_of_change(
+            -energy_of_change(power, internal_power(changed, step), step, changed.communicator));
+      }
       change.masses = true;
       return change;
     }
 
-    void add_forces(const Model<dim> &, const Clock &, const NodalVector &) override
+    void add_forces(const Model<dim> &, const Clock &, const NodalVector &force) override
     {
+      for (unsigned int i = 0; changes_velocity() && i < force.partition()->n_owned(); ++i)
+        for (unsigned int d = 0; d < dim; ++d)
+          power_of_change +=
+              force.node(i)[d] * (velocity_after.node(i)[d] - model.state.velocity.node(i)[d]);
       if (const Refusal found = refusal(model); !found.reason.empty())
         this->failure = "condition \"" + conditions.all()[found.condition].name +
                         "\", entry \"Axes\": " + found.reason;
@@ -198,6 +230,11 @@ namespace tombolo
       const std::vector<unsigned int> &nodes = conditions.constrained_nodes();
       const double velocity_step = clock.velocity_step();
       supports.begin_step(clock.velocity_time());
+      if (changes_velocity())
+      {
+        add_work_of_change(0.5 * velocity_step * std::exchange(power_of_change, 0.));
+        model.state.velocity = std::exchange(velocity_after, NodalVector());
+      }
       if (previous_inertia.size() != nodes.size())
       {
         previous_inertia.assign(nodes.size(), {});
@@ -339,6 +376,32 @@ namespace tombolo
       return {};
     }
 
+    /** Whether nodes will have another smoothed velocity than that by which they have moved. */
+    bool changes_velocity() const
+    {
+      return velocity_after.partition() != nullptr;
+    }
+
+    void add_work_of_change(const double change)
+    {
+      work += change;
+      supports[condition_of_change].work += change;
+    }
+
+    /** The first condition that begins or ceases to act at @p time; there is one. */
+    unsigned int first_to_change(const double time) const
+    {
+      const auto &all = conditions.all();
+      const auto found =
+          std::find_if(all.begin(), all.end(),
+                       [&](const MechanicalCondition<dim> &condition)
+                       {
+                         return prescribes(condition.type) &&
+                                condition.acts_at(time) != condition.acts_at(acting_since);
+                       });
+      return static_cast<unsigned int>(found - all.begin());
+    }
+
     /** Accounts for the first half of the step with the former nodes and masses. */
     void prepare_change()
     {
@@ -423,6 +486,9 @@ namespace tombolo
     ConditionAccounts<dim> supports;      ///< the same by condition, and impulses
     std::vector<Vector> previous_inertia; ///< Δt_{n-1} m a at constrained nodes
     std::vector<Vector> previous_force;   ///< Δt_{n-1} F at constrained nodes
+    unsigned int condition_of_change = 0; ///< the condition that began or ceased to act
+    NodalVector velocity_after;           ///< S v̂ of the conditions that act now; else none
+    double power_of_change = 0;           ///< of F on its difference to that of before
   };
 
   TOMBOLO_REGISTER_PROCESS(PrescribedMotion, process_order::prescribed_motion)
