@@ -1,10 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/kernel.h>
+#include <tombolo/base/input/entries.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/simd/vectorization.h>
 
 namespace tombolo
 {
+  std::unique_ptr<Kernel> read_kernel(const Entries &e, const std::string &by_default,
+                                      const std::string &documentation)
+  {
+    auto kernel = e.plugin<Kernel>("Kernel", by_default, documentation);
+    e.plugins<Kernel>(false);
+    return e.declares() ? make_kernel(by_default) : std::move(kernel);
+  }
+
   std::unique_ptr<Kernel> make_kernel(const std::string &name)
   {
     const auto &registry = Registry<Kernel>::instance();

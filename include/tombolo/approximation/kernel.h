@@ -8,6 +8,8 @@
 
 namespace tombolo
 {
+  class Entries;
+
   /**
    * A kernel w(r) of one normalized coordinate r = (x_J - x)/a_J, zero for |r| >= 1; on a cuboidal
    * support the product over the axes. Its scale cancels in moving least squares. A plug-in; one
@@ -34,6 +36,11 @@ namespace tombolo
   {
     static constexpr const char *name = "kernel";
   };
+
+  /** The kernel that the entry `Kernel` names, with its own entries in a section of its name; the
+   * default, which has none, while entries are declared. */
+  std::unique_ptr<Kernel> read_kernel(const Entries &e, const std::string &by_default,
+                                      const std::string &documentation);
 
   /** The kernel of this name without parameters of its own, for code that has no parameter file.
    * Throws InputError, naming the nearest, for "no such kernel". */

@@ -15,11 +15,8 @@ namespace tombolo
   {
     std::shared_ptr<const Kernel> create_kernel(const Entries &e)
     {
-      const Registry<Kernel> &kernels = Registry<Kernel>::instance();
       std::shared_ptr<const Kernel> kernel =
-          kernels.create(e.choice("Kernel", "cubic spline", kernels.selection(),
-                                  "The kernel of the moving least squares."),
-                         e.section());
+          read_kernel(e, "cubic spline", "The kernel of the moving least squares.");
       e.refuse(!kernel->is_smooth_at_zero(), "Kernel",
                "it has a kink at zero, where moving least squares need its "
                "derivative; allowed are smooth kernels, such as `cubic spline` and "

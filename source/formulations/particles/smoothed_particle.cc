@@ -56,10 +56,9 @@ namespace tombolo
     /** Throws InputError. */
     explicit SmoothedRows(const Entries &e)
         : ParticleRows<dim>(e, e.given("Configuration") == "current" ? skin_of_current : 0.),
-          kernel(Registry<Kernel>::instance().create(
-              e.choice("Kernel", "hyperbolic spline", Registry<Kernel>::instance().selection(),
-                       "The kernel, as a function of the distance over two smoothing lengths."),
-              e.section())),
+          kernel(
+              read_kernel(e, "hyperbolic spline",
+                          "The kernel, as a function of the distance over two smoothing lengths.")),
           relative_length(e.number(
               "Smoothing length", "1.5", any_number(), "",
               "Smoothing length over the spacing of the particles, the dim-th root of the mean "

@@ -389,11 +389,7 @@ namespace tombolo
   template <int dim>
   SmoothedGradients<dim>::SmoothedGradients(const Entries &e)
   {
-    const std::string name =
-        e.choice("Kernel", "cubic spline", Registry<Kernel>::instance().selection(),
-                 "The kernel of the convex approximation.");
-    if (!e.declares())
-      kernel = Registry<Kernel>::instance().create(name, e.section());
+    kernel = read_kernel(e, "cubic spline", "The kernel of the convex approximation.");
     dilation = e.number("Dilation", "1.1", any_number(), "",
                         "Half width of a support over the largest distance to a neighbouring node, "
                         "axis by axis; 1.05 to 2. 1.1 has the waves of elements; 1.5 halves static "

@@ -239,13 +239,14 @@ namespace tombolo
       return registry.create(name, section().subsection(name));
     }
 
-    /** Declares the entries of all plug-ins of this kind, each in a section of its name. */
+    /** Declares the entries of all plug-ins of this kind, each in a section of its name; those that
+     * have none have a section only @p with_empty. */
     template <typename Interface>
-    void plugins() const
+    void plugins(const bool with_empty = true) const
     {
       if (declares())
         within([&](dealii::ParameterHandler &section_handler)
-               { Registry<Interface>::instance().declare_all(section_handler); });
+               { Registry<Interface>::instance().declare_all(section_handler, with_empty); });
     }
 
   private:

@@ -72,6 +72,7 @@ namespace tombolo
       std::string description;
       Declare declare_parameters;
       Factory create;
+      bool has_entries = true;
     };
 
     /** The one registry of this kind in the process. */
@@ -123,11 +124,14 @@ namespace tombolo
       return joined(names(), "|");
     }
 
-    /** Declares each plug-in's parameters in a subsection of the plug-in's name. */
-    void declare_all(dealii::ParameterHandler &handler) const
+    /** Declares each plug-in's parameters in a subsection of the plug-in's name, an empty one only
+     * @p with_empty. */
+    void declare_all(dealii::ParameterHandler &handler, const bool with_empty = true) const
     {
       for (const auto &entry : entries)
       {
+        if (!with_empty && !entry.second.has_entries)
+          continue;
         handler.enter_subsection(entry.first);
         entry.second.declare_parameters(handler);
         handler.leave_subsection();
@@ -149,6 +153,10 @@ namespace tombolo
     template <typename Plugin>
     using OwnDeclaration =
         decltype(Plugin::declare_parameters(std::declval<dealii::ParameterHandler &>()));
+
+    template <typename Plugin>
+    constexpr bool has_entries = std::experimental::is_detected_v<OwnDeclaration, Plugin> ||
+                                 std::is_constructible<Plugin, dealii::ParameterHandler &>::value;
 
     template <typename Plugin>
     void declare(dealii::ParameterHandler &handler)
@@ -176,7 +184,8 @@ namespace tombolo
         Registry<Interface>::register_plugin(
             name, {description, &internal::declare<Plugin>,
                    [](const Section &section) -> std::unique_ptr<Interface>
-                   { return create<Plugin>(section); }});
+                   { return create<Plugin>(section); },
+                   has_entries<Plugin>});
       }
     };
   } // namespace internal
