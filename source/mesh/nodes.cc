@@ -108,12 +108,17 @@ namespace tombolo
     points.resize(finite_element->n_dofs_per_cell());
     for (unsigned int k = 0; k < points.size(); ++k)
     {
-      const dealii::Point<dim> unit =
-          finite_element->unit_support_point(lexicographic_to_hierarchic[k]);
       dealii::Point<dim> point;
-      for (const auto vertex : cell->vertex_indices())
-        point += dealii::GeometryInfo<dim>::d_linear_shape_function(unit, vertex) *
-                 dealii::Tensor<1, dim>(cell->vertex(vertex));
+      if (degree() == 1)
+        point += dealii::Tensor<1, dim>(cell->vertex(k));
+      else
+      {
+        const dealii::Point<dim> unit =
+            finite_element->unit_support_point(lexicographic_to_hierarchic[k]);
+        for (const auto vertex : cell->vertex_indices())
+          point += dealii::GeometryInfo<dim>::d_linear_shape_function(unit, vertex) *
+                   dealii::Tensor<1, dim>(cell->vertex(vertex));
+      }
       points[k] = point;
     }
   }

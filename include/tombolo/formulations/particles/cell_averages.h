@@ -179,6 +179,9 @@ namespace tombolo
       node_positions = nodes->points_depended_on();
       std::map<Node, Sums> rank_sums;
       std::vector<NodeOfCell> entries_of_cells, entries_of_dependent;
+      if (shares_dilatation)
+        entries_of_cells.reserve(
+            std::size_t(nodes->dof_handler().get_triangulation().n_active_cells()) << dim);
       std::vector<Node> cell_nodes;
       std::vector<dealii::Point<dim>> points;
       CellIntegrals<dim> dependent_integrals({}, {});

@@ -55,31 +55,6 @@ namespace tombolo
           gradient(nodes.size() * nodes.size())
     {}
 
-    /** Integrates over a cell whose corners are the nodes; @p hierarchic are their numbers in
-     * @p fe_values, and @p value_sharpness is s of ψ. */
-    void add(const dealii::FEValues<dim> &fe_values, const std::vector<unsigned int> &hierarchic,
-             const double value_sharpness)
-    {
-      constexpr unsigned int n = dealii::GeometryInfo<dim>::vertices_per_cell;
-      for (const unsigned int q : fe_values.quadrature_point_indices())
-        for (unsigned int i = 0; i < n; ++i)
-        {
-          const dealii::Point<dim> &unit_point = fe_values.get_quadrature().point(q);
-          const double gradient_weight =
-              internal::weight_of_corner<dim>(gradient_sharpness, i, unit_point) * fe_values.JxW(q);
-          const double value_weight =
-              internal::weight_of_corner<dim>(value_sharpness, i, unit_point) * fe_values.JxW(q);
-          volume[i] += gradient_weight;
-          weight[i] += value_weight;
-          moment[i] += value_weight * (fe_values.quadrature_point(q) - points[i]);
-          for (unsigned int j = 0; j < n; ++j)
-          {
-            value[i * n + j] += value_weight * fe_values.shape_value(hierarchic[j], q);
-            gradient[i * n + j] += gradient_weight * fe_values.shape_grad(hierarchic[j], q);
-          }
-        }
-    }
-
     /** The same with each dependent corner replaced by the nodes that it depends on. @p
      * node_positions are those of Nodes::points_depended_on(). */
     CellIntegrals
@@ -157,40 +132,88 @@ namespace tombolo
   class CellQuadrature
   {
   public:
+    /** @p value_sharpness is s of ψ. */
     CellQuadrature(const Nodes<dim> &nodes, const double value_sharpness)
-        : value_sharpness(value_sharpness), quadrature(2),
+        : quadrature(2),
           fe_values(nodes.dof_handler().get_fe(), quadrature,
                     dealii::update_values | dealii::update_gradients |
                         dealii::update_quadrature_points | dealii::update_JxW_values),
           cell_dofs(fe_values.dofs_per_cell), integrals({}, {})
-    {}
+    {
+      for (const dealii::Point<dim> &point : quadrature.get_points())
+        for (unsigned int i = 0; i < n; ++i)
+        {
+          gradient_weights.push_back(
+              internal::weight_of_corner<dim>(CellIntegrals<dim>::gradient_sharpness, i, point));
+          value_weights.push_back(internal::weight_of_corner<dim>(value_sharpness, i, point));
+        }
+    }
 
-    /** Of the cell with these nodes at @p points. The reference stays valid until the next call. */
+    /** Of the cell with these nodes at @p points, its corners. The reference stays valid until the
+     * next call. */
     const CellIntegrals<dim> &integrate(const typename Nodes<dim>::Cell &cell,
                                         const std::vector<dealii::types::global_dof_index> &nodes,
                                         const std::vector<dealii::Point<dim>> &points)
     {
       cell->get_dof_indices(cell_dofs);
+      last_hierarchic.swap(hierarchic);
       hierarchic.clear();
       for (const dealii::types::global_dof_index node : nodes)
         hierarchic.push_back(static_cast<unsigned int>(
             std::find(cell_dofs.begin(), cell_dofs.end(), node) - cell_dofs.begin()));
       fe_values.reinit(cell);
-      integrals = CellIntegrals<dim>(nodes, points);
-      integrals.add(fe_values, hierarchic, value_sharpness);
+      if (fe_values.get_cell_similarity() != dealii::CellSimilarity::translation ||
+          hierarchic != last_hierarchic)
+      {
+        integrals = CellIntegrals<dim>(nodes, points);
+        integrate_functions();
+      }
+      integrals.nodes = nodes;
+      integrals.points = points;
+      std::fill(integrals.moment.begin(), integrals.moment.end(), dealii::Tensor<1, dim>());
+      for (const unsigned int q : fe_values.quadrature_point_indices())
+        for (unsigned int i = 0; i < n; ++i)
+          integrals.moment[i] += value_weights[q * n + i] * fe_values.JxW(q) *
+                                 (fe_values.quadrature_point(q) - points[i]);
+      integrals.squared_edge = 0;
       for (unsigned int line = 0; line < cell->n_lines(); ++line)
+      {
+        using Info = dealii::GeometryInfo<dim>;
         integrals.squared_edge +=
-            cell->line(line)->vertex(0).distance_square(cell->line(line)->vertex(1)) /
+            cell->vertex(Info::line_to_cell_vertices(line, 0))
+                .distance_square(cell->vertex(Info::line_to_cell_vertices(line, 1))) /
             cell->n_lines();
+      }
       return integrals;
     }
 
   private:
-    double value_sharpness;
+    static constexpr unsigned int n = dealii::GeometryInfo<dim>::vertices_per_cell;
+
+    /** Those that are the same in a cell that is translated. */
+    void integrate_functions()
+    {
+      for (const unsigned int q : fe_values.quadrature_point_indices())
+        for (unsigned int i = 0; i < n; ++i)
+        {
+          const double gradient_weight = gradient_weights[q * n + i] * fe_values.JxW(q);
+          const double value_weight = value_weights[q * n + i] * fe_values.JxW(q);
+          integrals.volume[i] += gradient_weight;
+          integrals.weight[i] += value_weight;
+          for (unsigned int j = 0; j < n; ++j)
+          {
+            integrals.value[i * n + j] += value_weight * fe_values.shape_value(hierarchic[j], q);
+            integrals.gradient[i * n + j] +=
+                gradient_weight * fe_values.shape_grad(hierarchic[j], q);
+          }
+        }
+    }
+
     dealii::QGauss<dim> quadrature;
     dealii::FEValues<dim> fe_values;
+    std::vector<double> gradient_weights, value_weights; ///< χ, ψ, the corner fastest
     std::vector<dealii::types::global_dof_index> cell_dofs;
-    std::vector<unsigned int> hierarchic;
+    std::vector<unsigned int> hierarchic, last_hierarchic; ///< numbers of the nodes in fe_values
     CellIntegrals<dim> integrals;
   };
 } // namespace tombolo
