@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/nodal_smoothing.h>
 
+#include <tombolo/approximation/fetch_ahead.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/simd/node_lanes.h>
@@ -118,6 +119,7 @@ namespace tombolo
         shape.inverse_deformation.resize_fast(3 * node_stride * shape.particle_node.size());
         for (unsigned int row = 0; row < shape.n_particles(); ++row)
         {
+          fetch_ahead(shape, row, position);
           const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
           // Two chains of sums hide the time that an addition takes.
           Deformation f, odd;
@@ -176,6 +178,7 @@ namespace tombolo
     {
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
+        fetch_ahead(shape, row, momentum);
         const NodeLanes weighted =
             load_node(node(row_mass, row)) * load_node(node(velocity, shape.particle_node[row]));
         scatter_row(shape.row_of_values(row), weighted, momentum);
@@ -187,6 +190,7 @@ namespace tombolo
     {
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
+        fetch_ahead(shape, row, field);
         const NodeLanes sum = gather_row(shape.row_of_values(row), field);
         double *const target = node(result, shape.particle_node[row]);
         store_node(load_node(target) + load_node(node(row_weight, row)) * sum, target);
@@ -200,6 +204,7 @@ namespace tombolo
     {
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
+        fetch_ahead(shape, row, acceleration, velocity);
         const Stencils::Row stencil = shape.row_of_values(row);
         // Two chains of sums hide the time that an addition takes.
         NodeLanes sum_acceleration = 0., sum_velocity = 0.;
@@ -245,6 +250,7 @@ namespace tombolo
                                                     double *momentum)
       {
         const double *const reference = shape.reference_position.data();
+        fetch_ahead(shape, row, velocity, reference, momentum);
         const Stencils::Row stencil = shape.row(row);
         const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
         // Relative to the particle itself: Σ ∇φ = 0 only to round-off.
@@ -272,6 +278,7 @@ namespace tombolo
                                                    double *result)
       {
         const double *const reference = shape.reference_position.data();
+        fetch_ahead(shape, row, field, reference, result);
         const Stencils::Row stencil = shape.row(row);
         const Axes axes(node(reference, shape.particle_node[row]));
         // Two chains of sums hide the time that an addition takes.

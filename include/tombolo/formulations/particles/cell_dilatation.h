@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/approximation/fetch_ahead.h>
 #include <tombolo/approximation/row_sharing.h>
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/exceptions.h>
@@ -163,6 +164,7 @@ namespace tombolo
         const unsigned int n = std::min<unsigned int>(n_lanes, n_cells - first);
         for (unsigned int lane = 0; lane < n; ++lane)
         {
+          fetch_ahead(cells, first + lane, position.data());
           NodeLanes f[3] = {0., 0., 0.};
           RowBlock::add_row(cells.row_of_gradients(first + lane), position.data(),
                             load_node(position.node(cells.particle_node[first + lane])), f);
@@ -327,6 +329,7 @@ namespace tombolo
     {
       for (unsigned int c = 0; c < cells.n_particles(); ++c)
       {
+        fetch_ahead(cells, c, velocity.data());
         const double *const cofactors = cofactor.data() + 3 * node_stride * std::size_t(c);
         NodeLanes h[3] = {0., 0., 0.};
         RowBlock::add_row(cells.row_of_gradients(c), velocity.data(), NodeLanes(0.), h);
@@ -398,6 +401,7 @@ namespace tombolo
       alignas(64) double columns[3 * node_stride];
       for (unsigned int c = 0; c < cells.n_particles(); ++c)
       {
+        fetch_ahead(cells, c, force.data());
         const double *const cofactors = cofactor.data() + 3 * node_stride * std::size_t(c);
         const double total_pressure = pressure[c] + cell_pressure(c);
         for (unsigned int k = 0; k < 3 * node_stride; ++k)

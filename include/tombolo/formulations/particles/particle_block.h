@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/approximation/fetch_ahead.h>
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
@@ -63,6 +64,9 @@ namespace tombolo
     {
       for (unsigned int row = first; row < last; ++row)
       {
+        fetch_ahead(shape, row, velocity);
+        if constexpr (with_deformation || with_residual)
+          fetch_ahead(shape, row, position);
         const NodeLanes own_position = load_node(node(position, shape.particle_node[row]));
         // Two chains of sums hide the latency of additions.
         NodeLanes h[3] = {0., 0., 0.}, odd_sums[3] = {0., 0., 0.};
@@ -120,11 +124,14 @@ namespace tombolo
                               const BlockVectors *const residual_forces, double *force)
     {
       for (unsigned int row = first; row < last; ++row)
+      {
+        fetch_ahead(shape, row, force);
         if (residual_forces == nullptr)
           RowBlock::subtract_row(shape.row_of_gradients(row), k.columns[row - first][0], force);
         else
           RowBlock::subtract_row(shape.row(row), k.columns[row - first][0],
                                  (*residual_forces)[row - first], shape.particle_node[row], force);
+      }
     }
 
     /** Rows whose ∇φ does not describe their deformation count as undeformed. */

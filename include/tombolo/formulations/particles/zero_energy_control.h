@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/approximation/fetch_ahead.h>
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/energy_accounts.h>
 #include <tombolo/base/exceptions.h>
@@ -181,6 +182,7 @@ namespace tombolo
     {
       for (unsigned int i = 0; i < shape.n_particles(); ++i)
       {
+        fetch_ahead(shape, i, velocity.data(), force.data());
         const Stencils::Row row = shape.row_of_values(i);
         const unsigned int own = shape.particle_node[i];
         scatter(row, own, stiffness(i) * residual(row, own, velocity), force);
