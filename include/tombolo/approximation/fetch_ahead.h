@@ -11,13 +11,15 @@ namespace tombolo
 {
   /** Starts to load what @p fields, nodal arrays, have at nodes that a sweep over all rows meets
    * first in a row a little behind @p row: those at the ends of the thirds of its neighbours, on a
-   * lattice of its layers. Sweeps would wait for memory half of their time. */
+   * lattice of its layers. Else sweeps would wait for memory half of their time, unless the fields
+   * of few rows stay in the caches. */
   template <typename... Fields>
   TOMBOLO_ALWAYS_INLINE void fetch_ahead(const Stencils &shape, const unsigned int row,
                                          const Fields *const... fields)
   {
-    const std::size_t later = row + std::size_t(8);
-    if (later >= shape.particle_node.size())
+    constexpr std::size_t n_ahead = 8, n_in_caches = 10000;
+    const std::size_t later = row + n_ahead, n_rows = shape.particle_node.size();
+    if (later >= n_rows || n_rows < n_in_caches)
       return;
     const std::size_t size = shape.row_start[later + 1] - shape.row_start[later];
     for (unsigned int third = 0; third < 3 && size > 0; ++third)

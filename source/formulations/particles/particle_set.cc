@@ -53,7 +53,10 @@ namespace tombolo
                                  const CellSelection<dim> &is_taken)
     {
       CollectedNodes collected;
-      collected.index_of_node.reserve(nodes.owned().n_elements());
+      const std::size_t n_owned = nodes.owned().n_elements();
+      collected.index_of_node.reserve(n_owned);
+      collected.positions.reserve(node_stride * n_owned);
+      collected.masses.reserve(n_owned);
       std::vector<unsigned int> corners;
       const auto subcell_nodes = subcells<dim>(nodes.degree());
       std::unique_ptr<Quadrature<dim>> quadrature;

@@ -139,6 +139,9 @@ namespace tombolo
       const PointStiffness stiffness(part_points, time_step);
       const double *const volume = part_points.points().component(MaterialPoints::volume, 0);
       BlockMatrices h, f;
+      alignas(64) BlockVectors residual;
+      // Positions are not needed where F⁻¹ is current: residuals are those of velocities.
+      const bool has_residual = control != nullptr && shape.inverse_deformation_is_current;
       if (dilatation != nullptr)
       {
         if (!position_is_held)
@@ -149,7 +152,8 @@ namespace tombolo
       {
         const unsigned int last = std::min(first + block_size, n_particles);
         const double *const inverse_f =
-            find_motion<dim>(shape, first, last, position.data(), velocity.data(), h, f, nullptr);
+            find_motion<dim>(shape, first, last, (has_residual ? velocity : position).data(),
+                             velocity.data(), h, f, has_residual ? &residual : nullptr);
         for (unsigned int p = 0; p < last - first; p += n_lanes)
         {
           const Matrix3<Lanes> inverse_transpose = load_columns(inverse_f + 3 * node_stride * p);
@@ -166,9 +170,11 @@ namespace tombolo
                                       rate_of_own, stress);
           store_columns(multiply(symmetric_matrix(stress), inverse_transpose), h.columns[p][0]);
         }
-        scatter_force(shape, first, last, h, nullptr, force.data());
+        if (has_residual)
+          control->multiply_by_stiffness(first, last, -1., residual[0]);
+        scatter_force(shape, first, last, h, has_residual ? &residual : nullptr, force.data());
       }
-      if (control != nullptr)
+      if (control != nullptr && !has_residual)
         control->apply_stiffness(shape, velocity, force);
       if (dilatation != nullptr)
         dilatation->add_force_of_rates(force);

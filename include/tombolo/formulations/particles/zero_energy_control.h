@@ -176,6 +176,18 @@ namespace tombolo
       }
     }
 
+    /** Turns residuals of velocities of the particles from @p first to @p last into their forces,
+     * times @p factor_of_all. */
+    void multiply_by_stiffness(const unsigned int first, const unsigned int last,
+                               const double factor_of_all, double *const residuals) const
+    {
+      for (unsigned int i = first; i < last; ++i)
+      {
+        double *const at = residuals + std::size_t(i - first) * node_stride;
+        store_node(factor_of_all * stiffness(i) * load_node(at), at);
+      }
+    }
+
     /** Adds K v to @p force. */
     void apply_stiffness(const Stencils &shape, const NodalVector &velocity,
                          NodalVector &force) const
