@@ -52,6 +52,7 @@ namespace
            "subsection Mesh\n"
            "  set Type = box\n"
            "  subsection box\n"
+           "    set Upper corner = 1, 1\n"
            "    set Cells = 3, 3\n"
            "  end\n"
            "end\n"
