@@ -120,6 +120,7 @@ namespace tombolo
         for (unsigned int row = 0; row < shape.n_particles(); ++row)
         {
           fetch_ahead(shape, row, position);
+          fetch_coefficients_ahead<false, true>(shape, row);
           const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
           // Two chains of sums hide the time that an addition takes.
           Deformation f, odd;
@@ -179,6 +180,7 @@ namespace tombolo
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
         fetch_ahead(shape, row, momentum);
+        fetch_coefficients_ahead<true, false>(shape, row);
         const NodeLanes weighted =
             load_node(node(row_mass, row)) * load_node(node(velocity, shape.particle_node[row]));
         scatter_row(shape.row_of_values(row), weighted, momentum);
@@ -191,6 +193,7 @@ namespace tombolo
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
         fetch_ahead(shape, row, field);
+        fetch_coefficients_ahead<true, false>(shape, row);
         const NodeLanes sum = gather_row(shape.row_of_values(row), field);
         double *const target = node(result, shape.particle_node[row]);
         store_node(load_node(target) + load_node(node(row_weight, row)) * sum, target);
@@ -205,6 +208,7 @@ namespace tombolo
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
         fetch_ahead(shape, row, acceleration, velocity);
+        fetch_coefficients_ahead<true, false>(shape, row);
         const Stencils::Row stencil = shape.row_of_values(row);
         // Two chains of sums hide the time that an addition takes.
         NodeLanes sum_acceleration = 0., sum_velocity = 0.;
@@ -251,6 +255,7 @@ namespace tombolo
       {
         const double *const reference = shape.reference_position.data();
         fetch_ahead(shape, row, velocity, reference, momentum);
+        fetch_coefficients_ahead<true, true>(shape, row);
         const Stencils::Row stencil = shape.row(row);
         const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
         // Relative to the particle itself: Σ ∇φ = 0 only to round-off.
@@ -279,6 +284,7 @@ namespace tombolo
       {
         const double *const reference = shape.reference_position.data();
         fetch_ahead(shape, row, field, reference, result);
+        fetch_coefficients_ahead<true, true>(shape, row);
         const Stencils::Row stencil = shape.row(row);
         const Axes axes(node(reference, shape.particle_node[row]));
         // Two chains of sums hide the time that an addition takes.

@@ -65,6 +65,7 @@ namespace tombolo
       for (unsigned int row = first; row < last; ++row)
       {
         fetch_ahead(shape, row, velocity);
+        fetch_coefficients_ahead<with_residual, true>(shape, row);
         if constexpr (with_deformation || with_residual)
           fetch_ahead(shape, row, position);
         const NodeLanes own_position = load_node(node(position, shape.particle_node[row]));
