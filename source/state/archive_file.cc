@@ -167,9 +167,8 @@ namespace tombolo
 
   void ArchiveFile::throw_on_all_ranks(const std::string &message) const
   {
-    for (const std::string &rank_text : texts_of_ranks(mpi_communicator, message))
-      if (!rank_text.empty())
-        fail(rank_text);
+    if (const std::string text = first_text(mpi_communicator, message); !text.empty())
+      fail(text);
   }
 
   void ArchiveFile::check_size(const std::string &path, const std::size_t given,

@@ -157,9 +157,8 @@ namespace tombolo
                              const std::string &entry)
   {
     for (const auto &name : parameters.raw_list(entry))
-      for (const std::string &problem :
-           texts_of_ranks(communicator, load(name, parameters.file_name())))
-        if (!problem.empty())
-          parameters.fail(entry, problem);
+      if (const std::string problem = first_text(communicator, load(name, parameters.file_name()));
+          !problem.empty())
+        parameters.fail(entry, problem);
   }
 } // namespace tombolo
