@@ -27,6 +27,8 @@ namespace tombolo
     std::vector<dealii::types::global_dof_index> numbers;
     for (unsigned int p = 0; p < model.parts.size(); ++p)
     {
+      if (!model.parts[p].formulation->can_lose_cells())
+        continue;
       const NodalVector particles =
           marked_nodes(model.state.partition(),
                        [&](const auto &mark)
