@@ -10,7 +10,7 @@
 namespace tombolo
 {
   /** Starts to load what @p fields, nodal arrays, have at nodes that a sweep over all rows meets
-   * first in a row a little behind @p row: those at the ends of the thirds of its neighbours, on a
+   * first some rows after @p row: those at the ends of the thirds of its neighbours, on a
    * lattice of its layers. Else sweeps would wait for memory half of their time, unless the fields
    * of few rows stay in the caches. */
   template <typename... Fields>
@@ -29,7 +29,7 @@ namespace tombolo
     }
   }
 
-  /** Starts to load the φ of a row a little behind @p row, where @p with_values, and its ∇φ, where
+  /** Starts to load the φ of a row some rows after @p row, where @p with_values, and its ∇φ, where
    * @p with_gradients. Processors look ahead by themselves, but only up to the end of a page, which
    * holds some seven rows. Few rows, or rows kept once, stay in the caches. */
   template <bool with_values, bool with_gradients>

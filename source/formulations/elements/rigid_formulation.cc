@@ -27,9 +27,6 @@ namespace tombolo
     {
       const QGauss<dim> quadrature(3);
       constexpr unsigned int n_corners = GeometryInfo<dim>::vertices_per_cell;
-      std::array<unsigned int, n_corners> node_of_corners{};
-      for (unsigned int corner = 0; corner < n_corners; ++corner)
-        node_of_corners[corner] = node_of_corner<dim>(degree, corner);
       for (unsigned int cell = 0; cell < cells.n_cells(); ++cell)
       {
         const double *const positions = cells.initial_positions(cell / n_lanes);
@@ -37,7 +34,8 @@ namespace tombolo
         for (unsigned int corner = 0; corner < n_corners; ++corner)
           for (unsigned int d = 0; d < dim; ++d)
             corners[corner][d] =
-                positions[(node_of_corners[corner] * dim + d) * n_lanes + cell % n_lanes];
+                positions[(node_of_corner<dim>(degree, corner) * dim + d) * n_lanes +
+                          cell % n_lanes];
         for (unsigned int q = 0; q < quadrature.size(); ++q)
         {
           Tensor<1, 3> position;

@@ -171,7 +171,7 @@ namespace tombolo
           store_columns(multiply(symmetric_matrix(stress), inverse_transpose), h.columns[p][0]);
         }
         if (has_residual)
-          control->multiply_by_stiffness(first, last, -1., residual[0]);
+          control->multiply_by_stiffness(first, last, residual[0]);
         scatter_force(shape, first, last, h, has_residual ? &residual : nullptr, force.data());
       }
       if (control != nullptr && !has_residual)

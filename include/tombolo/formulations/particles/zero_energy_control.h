@@ -176,15 +176,15 @@ namespace tombolo
       }
     }
 
-    /** Turns residuals of velocities of the particles from @p first to @p last into their forces,
-     * times @p factor_of_all. */
+    /** Turns residuals of velocities of the particles @p first to @p last - 1 into the opposite of
+     * their forces, which scatter_force() subtracts. */
     void multiply_by_stiffness(const unsigned int first, const unsigned int last,
-                               const double factor_of_all, double *const residuals) const
+                               double *const residuals) const
     {
       for (unsigned int i = first; i < last; ++i)
       {
         double *const at = residuals + std::size_t(i - first) * node_stride;
-        store_node(factor_of_all * stiffness(i) * load_node(at), at);
+        store_node(-stiffness(i) * load_node(at), at);
       }
     }
 
