@@ -59,7 +59,7 @@ namespace tombolo
             batch.stress[c] = points.component(MaterialPoints::stress, c) + first;
             batch.strain_increment[c] = (c == 5 ? shear : increment).data() + first;
           }
-          batch.volume_ratio = points.component(MaterialPoints::volume_ratio, 0) + first;
+          batch.relative_volume = points.component(MaterialPoints::volume_ratio, 0) + first;
           for (std::size_t k = 0; k < batch.internal_variables.size(); ++k)
             batch.internal_variables[k] =
                 points.component(MaterialPoints::n_standard_fields + unsigned(k), 0) + first;

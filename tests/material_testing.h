@@ -145,9 +145,7 @@ namespace tombolo
         double *const ratio = points.component(MaterialPoints::volume_ratio, 0);
         for (unsigned int i = 0; i < batch.n; ++i)
           ratio[i] *= std::exp(strain[0][i] + strain[1][i] + strain[2][i]);
-        batch.volume_ratio = ratio;
         batch.relative_volume = ratio;
-        batch.measure = measure;
         batch.temperature = temperature.empty() ? nullptr : temperature.data();
         batch.temperature_increment = temperature.empty() ? nullptr : temperature_increment.data();
         for (unsigned int c = 0; c < 6; ++c)
@@ -170,7 +168,7 @@ namespace tombolo
         advance(time_increment);
       }
 
-      /** Per unit of current volume. */
+      /** Per unit of initial volume. */
       double elastic_energy(const unsigned int point = 0)
       {
         std::vector<double> density(points.padded_size());
@@ -185,7 +183,6 @@ namespace tombolo
 
       MaterialPoints points;
       std::vector<double> temperature; ///< of the points; empty in scenes without heat
-      StrainMeasure measure = StrainMeasure::rate;
 
     private:
       const Material &material;

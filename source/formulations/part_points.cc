@@ -10,7 +10,7 @@ namespace tombolo
     const std::string measure = e.choice(
         "Strain measure", by_default == StrainMeasure::rate ? "rate" : "logarithmic",
         "rate|logarithmic",
-        "What the stress follows: the rate of deformation with an objective rate of the Cauchy "
+        "What the stress follows: the rate of deformation with an objective rate of the Kirchhoff "
         "stress, or the elastic logarithmic strain, from whose energy the forces derive: in "
         "motions of large amplitude over long times energy neither grows nor decays.");
     strain_measure = measure == "logarithmic" ? StrainMeasure::logarithmic : StrainMeasure::rate;
@@ -93,7 +93,7 @@ namespace tombolo
       part_material->elastic_energy_density(n, stress, temperature(first), density);
       for (unsigned int i = 0; i < n; i += n_lanes)
         elastic += load_lanes(density + i) * load_lanes(volume + first + i) *
-                   (is_logarithmic() ? load_lanes(ratio + first + i) : Lanes(1.));
+                   load_lanes(ratio + first + i); // ½ τ : ε of an initial volume
     }
     EnergyAccounts result;
     result.add("elastic energy", EnergyKind::stored,
@@ -124,9 +124,7 @@ namespace tombolo
         field < material_points.fields().size() ? material_points.component(field, 0) : nullptr;
     for (unsigned int i = 0; i < n; ++i)
     {
-      result[i] *= volume[i];
-      if (is_logarithmic()) // ½ τ : ε of an initial volume
-        result[i] *= ratio[i];
+      result[i] *= volume[i] * ratio[i];
       if (work != nullptr)
         result[i] += work[i] * volume[i] / ratio[i];
     }

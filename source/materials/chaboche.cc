@@ -354,20 +354,18 @@ namespace tombolo
         stored += 0.75 / terms[k].modulus *
                   (contract(back, back) - contract(points.old_back[k], points.old_back[k]));
       }
-      const Lanes volume = load_lanes(batch.volume_ratio + i) * (1. - 0.5 * volumetric);
       const auto add = [i](double *const values, const Lanes &value)
       { store_lanes(load_lanes(values + i) + value, values + i); };
       add(batch.internal_variables[effective_plastic_strain], x);
-      add(batch.internal_variables[stored_work], volume * stored);
-      add(batch.internal_variables[plastic_work], volume * (work - stored));
+      add(batch.internal_variables[stored_work], stored);
+      add(batch.internal_variables[plastic_work], work - stored);
       if (has_tables())
       {
         // The elastic update took the work of the change of G with the trial stress as the new one.
         Tensor difference;
         for (unsigned int c = 0; c < 6; ++c)
           difference[c] = stress[c] - points.trial[c];
-        add(thermal_work,
-            volume * 0.25 * (1. / old_shear - 1. / points.shear) * contract(old, difference));
+        add(thermal_work, 0.25 * (1. / old_shear - 1. / points.shear) * contract(old, difference));
       }
     }
 

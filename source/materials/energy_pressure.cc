@@ -51,7 +51,6 @@ namespace tombolo
                 ExcMessage("An equation of state needs the volumes of the points."));
     constexpr unsigned int chunk_size = 64;
     alignas(64) double a[chunk_size], a_modulus[chunk_size], b[chunk_size], b_change[chunk_size];
-    const bool is_kirchhoff = batch.measure == StrainMeasure::logarithmic;
     for (unsigned int first = begin; first < begin + n; first += chunk_size)
     {
       const unsigned int size = std::min(chunk_size, begin + n - first);
@@ -77,7 +76,7 @@ namespace tombolo
         const double before = now * (1. - 0.5 * volumetric) / (1. + 0.5 * volumetric);
         const double mean = (stress[0][i] + stress[1][i] + stress[2][i]) * (1. / 3.);
         const double old_mean = mean - elastic_bulk * volumetric;
-        const double old_pressure = -old_mean / (is_kirchhoff ? before : 1.);
+        const double old_pressure = -old_mean / before;
         const double half_change = 0.5 * (now - before);
         const double known = work[i] - half_change * old_pressure;
         const double pressure =
@@ -87,7 +86,7 @@ namespace tombolo
         // -J dp/dJ with dE = -p dJ.
         const double isentropic = a_modulus[i] + b_change[i] * energy + b[i] * pressure * now;
         bulk[i] = isentropic > 0. ? isentropic : 0.;
-        const double change = -pressure * (is_kirchhoff ? now : 1.) - mean;
+        const double change = -pressure * now - mean;
         for (unsigned int c = 0; c < 3; ++c)
           stress[c][i] += change;
       }

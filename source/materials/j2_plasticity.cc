@@ -85,7 +85,6 @@ namespace tombolo
       alignas(64) Values trial_stress, flow, slope;          // of the whole chunk; later packed
       alignas(64) Values trial, old_strain, old_temperature; // packed, as all below
       alignas(64) Values old_power;                          // old stress : flow direction
-      alignas(64) Values volume_ratio;                       // in the middle of the step
       alignas(64) Values increment, newton, lower,
           upper; // Δp, its next value, bounds of it (upper: 0 where it is found)
       alignas(64) Values strain, new_temperature, temperature_change;
@@ -104,10 +103,9 @@ namespace tombolo
         {
           const double x = increment[k];
           const double shear = with_tables ? threefold_shear[k] : constant_threefold_shear;
-          const double factor = heating * volume_ratio[k];
           const double sum = old_power[k] + trial[k];
-          new_temperature[k] = old_temperature[k] + factor * (0.5 * (sum - shear * x) * x);
-          temperature_change[k] = factor * (0.5 * sum - shear * x);
+          new_temperature[k] = old_temperature[k] + heating * (0.5 * (sum - shear * x) * x);
+          temperature_change[k] = heating * (0.5 * sum - shear * x);
         }
       }
       void update_strain()
@@ -411,8 +409,6 @@ namespace tombolo
         store_lanes(load_lanes(batch.internal_variables[effective_plastic_strain] + from),
                     chunk.old_strain + n_packed);
         store_lanes(old_power, chunk.old_power + n_packed);
-        store_lanes(load_lanes(batch.volume_ratio + from) * (1. - 0.5 * volumetric),
-                    chunk.volume_ratio + n_packed);
         store_lanes(Lanes(0.), chunk.lower + n_packed);
         store_lanes(upper, chunk.upper + n_packed);
         store_lanes(guess, chunk.increment + n_packed);
@@ -493,9 +489,8 @@ namespace tombolo
           store_lanes(stress[c], batch.stress[c] + from);
         }
 
-        const Lanes volume = load_lanes(chunk.volume_ratio + packed);
         const Lanes old_power = load_lanes(chunk.old_power + packed);
-        const Lanes work = volume * 0.5 * (old_power + flow) * increment;
+        const Lanes work = 0.5 * (old_power + flow) * increment;
         double *const strain = batch.internal_variables[effective_plastic_strain] + from;
         double *const total_work = batch.internal_variables[plastic_work] + from;
         const Lanes new_strain = load_lanes(strain) + increment;
@@ -514,7 +509,7 @@ namespace tombolo
           // The elastic update took the work of the change of G with the trial stress as the new
           // one: ¼(1/G₀ - 1/G₁) s₀ : s₁, where s₀ : s_trial = ⅔ trial old_power.
           double *const given = batch.internal_variables[thermal_work] + from;
-          store_lanes(load_lanes(given) + volume * load_lanes(chunk.compliance_decrease + packed) *
+          store_lanes(load_lanes(given) + load_lanes(chunk.compliance_decrease + packed) *
                                               (1. / 6.) * old_power * (flow - trial),
                       given);
         }

@@ -83,8 +83,7 @@ namespace tombolo
           dissipated += (is_normal ? 0.5 : 1.) * (s_0 + s_1) * dashpot_strain;
           batch.stress[c][i] = s_1 + (is_normal ? mean : 0.);
         }
-        // Per initial volume, with the volume in the middle of the step.
-        work[i] += batch.volume_ratio[i] * (1. - 0.5 * volumetric) * dissipated;
+        work[i] += dissipated; // per initial volume
       }
     }
 

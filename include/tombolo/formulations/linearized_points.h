@@ -26,10 +26,10 @@ namespace tombolo
     struct Motion
     {
       Lanes strain[n_points][6];
-      Lanes stress[n_points][6]; ///< rotated; Kirchhoff's where the strain is logarithmic
+      Lanes stress[n_points][6]; ///< rotated; Kirchhoff's
       Lanes volume[n_points];
       Lanes spin[n_points][3];
-      Lanes volume_ratio[n_points], work_factor[n_points];
+      Lanes volume_ratio[n_points];
     };
 
     LinearizedPoints(PartPoints &part, const double time_increment)
@@ -39,13 +39,11 @@ namespace tombolo
         tangent[entry] = tangent_values.data() + entry * size;
       batch.n = size;
       batch.time_increment = time_increment;
-      batch.measure = part.measure();
       for (unsigned int c = 0; c < 6; ++c)
       {
         batch.stress[c] = stress_of_batch[c];
         batch.strain_increment[c] = strain_of_batch[c];
       }
-      batch.volume_ratio = factor_of_batch;
       batch.relative_volume = ratio_of_batch;
     }
 
@@ -75,11 +73,8 @@ namespace tombolo
         compliance[q] = Compliance(load_lanes(bulk_at + i), load_lanes(shear_at + i));
         old_ratio[q] = load_lanes(points.component(MaterialPoints::volume_ratio, 0) + first + i);
         for (unsigned int c = 0; c < 6; ++c)
-        {
-          old_stress[q][c] = load_lanes(points.component(MaterialPoints::stress, c) + first + i);
-          if (is_logarithmic())
-            old_stress[q][c] *= old_ratio[q];
-        }
+          old_stress[q][c] =
+              old_ratio[q] * load_lanes(points.component(MaterialPoints::stress, c) + first + i);
       }
     }
 
@@ -96,13 +91,9 @@ namespace tombolo
       for (unsigned int q = 0; q < n_points; ++q)
       {
         std::copy_n(old_stress[q], 6, motion.stress[q]);
-        if (is_logarithmic())
-          increments[q] = logarithmic_increment(h[q], compliance[q], motion.stress[q]);
-        else
-        {
-          increments[q] = motion_increment(h[q]);
-          rotate(increments[q].spin, motion.stress[q]);
-        }
+        increments[q] = is_logarithmic()
+                            ? logarithmic_increment(h[q], compliance[q], motion.stress[q])
+                            : rate_increment(h[q], motion.stress[q]);
       }
       share(increments);
       for (unsigned int q = 0; q < n_points; ++q)
@@ -110,7 +101,6 @@ namespace tombolo
         std::copy_n(increments[q].strain, 6, motion.strain[q]);
         std::copy_n(increments[q].spin, 3, motion.spin[q]);
         motion.volume_ratio[q] = old_ratio[q] * increments[q].volume_factor;
-        motion.work_factor[q] = work_factor(increments[q]);
         if (grows)
           motion.volume[q] = load_lanes(old_volume + q * n_lanes) * growth;
       }
@@ -128,8 +118,6 @@ namespace tombolo
           store_lanes(motion.strain[q][c], strain_of_batch[c] + q * n_lanes);
         }
         store_lanes(motion.volume_ratio[q], ratio_of_batch + q * n_lanes);
-        store_lanes(is_logarithmic() ? motion.work_factor[q] : motion.volume_ratio[q],
-                    factor_of_batch + q * n_lanes);
         part.turn_variables(first + q * n_lanes, motion.spin[q]);
       }
       part.complete(batch, first, nodal_temperature, temperature_increment);
@@ -151,8 +139,7 @@ namespace tombolo
         elastic_strain_of(turned, compliance[q], strain);
         for (unsigned int c = 0; c < 6; ++c)
           strain[c] += changed.strain[q][c] - motion.strain[q][c];
-        const Lanes volume =
-            is_logarithmic() ? changed.volume[q] / changed.volume_ratio[q] : changed.volume[q];
+        const Lanes volume = changed.volume[q] / changed.volume_ratio[q];
         for (unsigned int c = 0; c < 6; ++c)
         {
           Lanes sum = stress[q][c];
@@ -163,7 +150,7 @@ namespace tombolo
       }
     }
 
-    Lanes stress[n_points][6]; ///< at the end of the step, Kirchhoff's or Cauchy's
+    Lanes stress[n_points][6]; ///< at the end of the step, Kirchhoff's
 
   private:
     PartPoints &part;
@@ -174,7 +161,7 @@ namespace tombolo
     Lanes old_ratio[n_points], old_stress[n_points][6];
     Compliance compliance[n_points]; // at the temperature of the start
     alignas(64) double stress_of_batch[6][size], strain_of_batch[6][size];
-    alignas(64) double factor_of_batch[size], ratio_of_batch[size], temperature_increment[size];
+    alignas(64) double ratio_of_batch[size], temperature_increment[size];
     dealii::AlignedVector<double> tangent_values;
     MaterialTangent tangent;
   };

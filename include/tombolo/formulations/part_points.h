@@ -73,10 +73,6 @@ namespace tombolo
     {
       return material_points;
     }
-    StrainMeasure measure() const
-    {
-      return strain_measure;
-    }
     bool is_logarithmic() const
     {
       return strain_measure == StrainMeasure::logarithmic;

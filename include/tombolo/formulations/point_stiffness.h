@@ -18,7 +18,7 @@ namespace tombolo
         : shear_modulus(part.material().shear_modulus()),
           constant_lambda(part.material().bulk_modulus() - 2. / 3. * shear_modulus),
           inverse_modulus(1. / (part.material().bulk_modulus() + 4. / 3. * shear_modulus)),
-          is_kirchhoff(part.is_logarithmic()), rate_factor(2. / time_step),
+          rate_factor(2. / time_step),
           ratio(part.points().component(MaterialPoints::volume_ratio, 0))
     {
       if (const unsigned int field = part.points().find_field("bulk modulus");
@@ -28,20 +28,15 @@ namespace tombolo
         viscosity = part.viscosity().tangent(part.points());
     }
 
-    /** The stress that a velocity gradient causes per unit time, Kirchhoff's with the logarithmic
-     * measure, times @p volume, of n_lanes points from @p i on: (C + 2/Δt of viscosity) : L. */
+    /** The Kirchhoff stress that a velocity gradient causes per unit time, times the initial
+     * volume, of n_lanes points from @p i on: (C + 2/Δt of viscosity) : L. */
     TOMBOLO_ALWAYS_INLINE void find_stress(const std::size_t i, const Matrix3<Lanes> &l,
                                            const Lanes &present_volume, Lanes (&stress)[6]) const
     {
-      Lanes volume = present_volume, lambda = constant_lambda;
-      if (is_kirchhoff)
-        volume /= load_lanes(ratio + i);
+      const Lanes volume = present_volume / load_lanes(ratio + i);
+      Lanes lambda = constant_lambda;
       if (bulk != nullptr)
-      {
-        const Lanes modulus = load_lanes(bulk + i);
-        lambda =
-            (is_kirchhoff ? modulus * load_lanes(ratio + i) : modulus) - 2. / 3. * shear_modulus;
-      }
+        lambda = load_lanes(bulk + i) * load_lanes(ratio + i) - 2. / 3. * shear_modulus;
       if (viscosity != nullptr)
         lambda += rate_factor * load_lanes(viscosity + i);
       const Lanes pressure = lambda * volume * (l(0, 0) + l(1, 1) + l(2, 2));
@@ -80,7 +75,6 @@ namespace tombolo
 
   private:
     double shear_modulus, constant_lambda, inverse_modulus;
-    bool is_kirchhoff;
     double rate_factor;
     const double *ratio;
     const double *bulk = nullptr, *viscosity = nullptr;

@@ -24,7 +24,6 @@ namespace tombolo
         : part(part), points(part.points()), is_logarithmic(part.is_logarithmic())
     {
       batch.time_increment = time_increment;
-      batch.measure = part.measure();
       for (unsigned int c = 0; c < 6; ++c)
         batch.strain_increment[c] = strain[c];
     }
@@ -38,48 +37,36 @@ namespace tombolo
         batch.stress[c] = points.component(MaterialPoints::stress, c) + first;
       ratio = points.component(MaterialPoints::volume_ratio, 0) + first;
       batch.relative_volume = ratio;
-      batch.volume_ratio = is_logarithmic ? factor : ratio;
       if (is_logarithmic)
         part.material().elastic_moduli(n, part.temperature(first), bulk, shear);
     }
 
-    /** The motion of n_lanes points from @p i of the block on by H = Δt ∂v/∂x_n. Where the measure
-     * is logarithmic their stress of t_{n-1} becomes Kirchhoff's and is turned (eq. 19). Once. */
+    /** The motion of n_lanes points from @p i of the block on by H = Δt ∂v/∂x_n. Their stress of
+     * t_{n-1} becomes Kirchhoff's and is turned (eq. 19). Once. */
     TOMBOLO_ALWAYS_INLINE MotionIncrement<Lanes> motion(const unsigned int i,
                                                         const Matrix3<Lanes> &h)
     {
-      if (!is_logarithmic)
-        return motion_increment(h);
       const Lanes old_ratio = load_lanes(ratio + i);
       Lanes stress[6];
       for (unsigned int c = 0; c < 6; ++c)
         stress[c] = old_ratio * load_lanes(batch.stress[c] + i);
-      set_moduli(load_lanes(bulk + i), load_lanes(shear + i));
-      const MotionIncrement<Lanes> result = logarithmic_increment(h, compliance, stress);
+      if (is_logarithmic)
+        set_moduli(load_lanes(bulk + i), load_lanes(shear + i));
+      const MotionIncrement<Lanes> result =
+          is_logarithmic ? logarithmic_increment(h, compliance, stress) : rate_increment(h, stress);
       for (unsigned int c = 0; c < 6; ++c)
         store_lanes(stress[c], batch.stress[c] + i);
       return result;
     }
 
-    /** Turns the stress of the rate measure and the tensors of the material with the motion of
-     * these points, keeps their strain and volume ratio. */
+    /** Turns the tensors of the material with the motion of these points, keeps their strain and
+     * volume ratio. */
     TOMBOLO_ALWAYS_INLINE void move(const unsigned int i, const MotionIncrement<Lanes> &motion)
     {
       for (unsigned int c = 0; c < 6; ++c)
         store_lanes(motion.strain[c], strain[c] + i);
-      if (!is_logarithmic)
-      {
-        Lanes stress[6];
-        for (unsigned int c = 0; c < 6; ++c)
-          stress[c] = load_lanes(batch.stress[c] + i);
-        rotate(motion.spin, stress);
-        for (unsigned int c = 0; c < 6; ++c)
-          store_lanes(stress[c], batch.stress[c] + i);
-      }
       part.turn_variables(first + i, motion.spin);
       store_lanes(load_lanes(ratio + i) * motion.volume_factor, ratio + i);
-      if (is_logarithmic)
-        store_lanes(work_factor(motion), factor + i);
     }
 
     /** The same for all @p n_points points of n_lanes cells, of which @p n_valid exist, from
@@ -121,7 +108,7 @@ namespace tombolo
     {
       part.complete(batch, first, nodal_temperature, temperature_increment);
       part.material().update_stress(batch);
-      for (unsigned int i = 0; i < (is_logarithmic ? batch.n : 0); i += n_lanes)
+      for (unsigned int i = 0; i < batch.n; i += n_lanes)
       {
         const Lanes inverse_ratio = 1. / load_lanes(ratio + i);
         for (unsigned int c = 0; c < 6; ++c)
@@ -158,7 +145,6 @@ namespace tombolo
     double *ratio = nullptr;
     MaterialBatch batch;
     alignas(64) double strain[6][size];
-    alignas(64) double factor[size];
     alignas(64) double bulk[size], shear[size];
     Lanes known_bulk = 0., known_shear = 0.;
     Compliance compliance; ///< of these

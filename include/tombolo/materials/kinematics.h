@@ -180,4 +180,16 @@ namespace tombolo
                   half(row[c], 1) * rotation(column[c], 1) +
                   half(row[c], 2) * rotation(column[c], 2);
   }
+
+  /** motion_increment() of @p h, with whose spin @p stress is turned: eq. 19, of the Kirchhoff
+   * stress τ = J σ. So the work τ : D per initial volume is the change of ½ τ : C⁻¹ : τ also where
+   * volumes change; that of Cauchy's stress is not. */
+  template <typename Number>
+  TOMBOLO_ALWAYS_INLINE MotionIncrement<Number> rate_increment(const Matrix3<Number> &h,
+                                                               Number (&stress)[6])
+  {
+    const MotionIncrement<Number> result = motion_increment(h);
+    rotate(result.spin, stress);
+    return result;
+  }
 } // namespace tombolo

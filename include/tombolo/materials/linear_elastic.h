@@ -14,7 +14,7 @@
 namespace tombolo
 {
   /**
-   * Isotropic hypoelasticity, σ̇ = C : D in the rotating frame (eq. 5 without plasticity). Where
+   * Isotropic elasticity, τ̇ = C : D in the rotating frame (eq. 5 without plasticity). Where
    * Young's modulus or Poisson's ratio is a table over the temperature θ, or the material expands,
    * σ = C(θ) : ε_e with the elastic strain rate D - α θ̇ I.
    */
@@ -265,7 +265,6 @@ namespace tombolo
           stress[c] = batch.stress[c] + begin;
           strain[c] = batch.strain_increment[c] + begin;
         }
-        const double *const volume_ratio = batch.volume_ratio + begin;
         double *const work = thermal_work + begin;
 #pragma GCC ivdep
         for (unsigned int i = 0; i < n; ++i)
@@ -303,7 +302,7 @@ namespace tombolo
           if constexpr (with_tables)
             change += 0.5 * ((1. / bulk_0[i] - 1. / bulk_1[i]) * old_mean * mean +
                              0.5 * (1. / shear_0[i] - 1. / shear_1[i]) * product);
-          work[i] += volume_ratio[i] * (1. - 0.5 * volumetric) * change;
+          work[i] += change;
         }
       }
     }

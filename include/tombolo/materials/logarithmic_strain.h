@@ -73,16 +73,4 @@ namespace tombolo
           result[lane] = std::log1p(x[lane]);
     return result;
   }
-
-  /** The factor that MaterialBatch::volume_ratio has to have so that work is per initial volume,
-   * where the stress is Kirchhoff's: a material multiplies it by that of the middle of the step. */
-  TOMBOLO_ALWAYS_INLINE Lanes work_factor(const MotionIncrement<Lanes> &motion)
-  {
-    const Lanes x = 0.5 * (motion.strain[0] + motion.strain[1] + motion.strain[2]);
-    Lanes result = 1. + x * (1. + x * (1. + x * (1. + x * (1. + x * (1. + x)))));
-    const LaneMask is_large = !(abs(x) < largest_of_short_series);
-    if (any_of(is_large))
-      where(is_large, result) = 1. / (1. - x);
-    return result;
-  }
 } // namespace tombolo

@@ -14,28 +14,24 @@ namespace tombolo
   /** What the stress of a point follows. */
   enum class StrainMeasure
   {
-    rate,       ///< the rate of deformation, turned with the spin: Cauchy stress (eqs 5, 19)
-    logarithmic ///< the elastic logarithmic strain: Kirchhoff stress, from an energy
+    rate,       ///< the rate of deformation, turned with the spin (eqs 5, 19)
+    logarithmic ///< the elastic logarithmic strain: stress that is the derivative of an energy
   };
 
   /**
    * n consecutive material points, as arrays of a structure-of-arrays: stress[c][i] is component c
    * (xx, yy, zz, yz, xz, xy) of point i. n is a multiple of n_lanes; padding points have zero
-   * strain increments. The arrays do not overlap. With StrainMeasure::rate the stress is Cauchy's;
-   * with StrainMeasure::logarithmic it is Kirchhoff's, and volume_ratio what makes works of it
-   * those per initial volume (work_factor()).
+   * strain increments. The arrays do not overlap. The stress is Kirchhoff's, whose work per initial
+   * volume is the change of ½ τ : C⁻¹ : τ with either StrainMeasure.
    */
   struct MaterialBatch
   {
-    unsigned int n;                    ///< number of points
-    double time_increment;             ///< t_n - t_{n-1} [T]
-    double *stress[6];                 ///< in: rotated to t_n, out: at t_n
-    const double *strain_increment[6]; ///< tensor components of Δt D, no factor 2 on shear
-    const double *volume_ratio;        ///< J at t_n
-    /** Which stress it is, and J at t_n with either; an equation of state needs them. */
-    StrainMeasure measure = StrainMeasure::rate;
-    const double *relative_volume = nullptr;
-    const double *temperature = nullptr; ///< at t_n; null in scenes without heat
+    unsigned int n;                          ///< number of points
+    double time_increment;                   ///< t_n - t_{n-1} [T]
+    double *stress[6];                       ///< in: rotated to t_n, out: at t_n
+    const double *strain_increment[6];       ///< tensor components of Δt D, no factor 2 on shear
+    const double *relative_volume = nullptr; ///< J at t_n; equations of state need it
+    const double *temperature = nullptr;     ///< at t_n; null in scenes without heat
     /** Change of the temperature since the last update; null in scenes without heat. */
     const double *temperature_increment = nullptr;
     std::vector<double *> internal_variables; ///< one array per component, in declared order

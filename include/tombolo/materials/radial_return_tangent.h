@@ -110,8 +110,7 @@ namespace tombolo
         double s[6];
         temperature[i] = temperature_without_own[i] +
                          heating * batch.internal_variables[plastic_work_variable][i];
-        temperature_change[i] =
-            heating * batch.volume_ratio[i] * std::sqrt(deviator_of(batch, i, s));
+        temperature_change[i] = heating * std::sqrt(deviator_of(batch, i, s));
       }
       flow_stress.evaluate({batch.n, batch.time_increment > 0. ? 1. / batch.time_increment : 0.,
                             batch.internal_variables[plastic_strain_variable], increment.begin(),

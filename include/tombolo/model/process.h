@@ -163,9 +163,8 @@ namespace tombolo
     /** When warnings are requested. */
     enum class Occasion
     {
-      audit,       ///< before the run: about the input
-      row,         ///< with each row of the table over time: what has come up since
-      energy_lost, ///< the balance of energy does not hold, and ends the run: why
+      audit, ///< before the run: about the input
+      row,   ///< with each row of the table over time: what has come up since
       end
     };
 

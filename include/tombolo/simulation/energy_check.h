@@ -111,23 +111,12 @@ namespace tombolo
     if (!is_off_balance(model, balance, limit))
       return;
     const double put_in = balance.initial_total + balance.external;
-    std::vector<std::string> sentences;
-    for (const auto &process : model.processes)
-      process->observed.warnings(clock, Process<dim>::Occasion::energy_lost, sentences);
-    // A step beyond the limit explains all the rest.
-    if (step_size.largest() > 0. &&
-        std::max(clock.previous_step, clock.next_step) > spectral_limit(model))
-      sentences.clear();
-    std::string reason;
-    for (const std::string &sentence : sentences)
-      reason += (reason.empty() ? "" : " ") + sentence;
     throw RunError(
         as_text(std::setprecision(4), "The energy balance does not hold at time ", clock.time,
                 ", step ", clock.step, ": a total energy of ", balance.total, ", where ", put_in,
                 " was put in (error ", balance.error, ", allowed ", limit, "). ",
-                (!reason.empty()             ? reason
-                 : step_size.largest() == 0. ? judgement_at_rest
-                                             : judgement_of_step(model, balance, clock, step_size)),
+                (step_size.largest() == 0. ? judgement_at_rest
+                                           : judgement_of_step(model, balance, clock, step_size)),
                 " `Largest energy error` is the limit. The largest energies: ",
                 largest_accounts(balance.energies), "."));
   }

@@ -186,9 +186,9 @@ namespace tombolo
     const std::string measure = e.choice(
         "Strain measure", "automatic", "automatic|logarithmic|rate",
         "What the stress follows: the elastic logarithmic strain, from whose energy the forces "
-        "derive, or the rate of deformation with an objective rate of the Cauchy stress. The first "
-        "needs positions that move with the velocity that strains: `automatic` is `logarithmic` "
-        "with the smoothings affine and none, and `rate` with others.");
+        "derive, or the rate of deformation with an objective rate of the Kirchhoff stress. The "
+        "first needs positions that move with the velocity that strains: `automatic` is "
+        "`logarithmic` with the smoothings affine and none, and `rate` with others.");
     const std::string smoothing = e.given("Smoothing");
     const bool positions_follow = smoothing == "affine" || smoothing == "none";
     e.refuse(measure == "logarithmic" && !positions_follow, "Strain measure",

@@ -254,7 +254,7 @@ namespace tombolo
       const std::string measure = e.choice(
           "Strain measure", "automatic", "automatic|logarithmic|rate",
           "What the stress follows: the elastic logarithmic strain, from whose energy the "
-          "forces derive, or the rate of deformation with an objective rate of the Cauchy "
+          "forces derive, or the rate of deformation with an objective rate of the Kirchhoff "
           "stress. `automatic` is `rate` with `Gradient = paper`, and `logarithmic` else.");
       const bool is_logarithmic =
           measure == "logarithmic" || (measure == "automatic" && e.given("Gradient") != "paper");

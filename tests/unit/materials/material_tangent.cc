@@ -66,7 +66,7 @@ namespace tombolo
             batch.strain_increment[c] = strain[c].data();
           }
           ratio.assign(n, 1.);
-          batch.volume_ratio = ratio.data();
+          batch.relative_volume = ratio.data();
           for (const FieldDescription &field : fields)
             for (unsigned int c = 0; c < field.n_components; ++c)
             {

@@ -105,11 +105,8 @@ namespace tombolo
       for (unsigned int q = 0; q < n_points; ++q)
       {
         for (unsigned int c = 0; c < 6; ++c)
-        {
-          const Lanes &stress = linearized.stress[q][c];
-          store_lanes(linearized.is_logarithmic() ? stress / motion.volume_ratio[q] : stress,
+          store_lanes(linearized.stress[q][c] / motion.volume_ratio[q],
                       material_points.component(MaterialPoints::stress, c) + first + q * n_lanes);
-        }
         flow_stress[q] = 0.;
         if (limits_forces)
           flow_stress[q] = integration.plastic_flow.stress(material_points, first + q * n_lanes,

@@ -110,9 +110,11 @@ namespace tombolo
               Lanes unstressed[6] = {0., 0., 0., 0., 0., 0.};
               const MotionIncrement<Lanes> logarithmic =
                   logarithmic_increment(h_lanes, {1., 1.}, unstressed);
-              for (unsigned int c = 0; c < 6; ++c) // of the Kirchhoff stress
-                motion.strain[c] = logarithmic.strain[c][0] / motion.volume_factor;
+              for (unsigned int c = 0; c < 6; ++c)
+                motion.strain[c] = logarithmic.strain[c][0];
             }
+            for (double &strain : motion.strain) // of the Kirchhoff stress
+              strain /= motion.volume_factor;
             const double shear = block.material->shear_modulus();
             const double lambda = block.material->bulk_modulus() - 2. / 3. * shear;
             const double trace = motion.strain[0] + motion.strain[1] + motion.strain[2];
