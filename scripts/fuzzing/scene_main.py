@@ -92,9 +92,9 @@ def main(options):
         for reason, n in collections.Counter(r.reason for r in results if r.kind == kind).most_common():
             print("%4d %s: %s" % (n, kind, reason))
     for name in ("energy", "momentum", "heat", "ranks", "growth"):
-        figures = [result.figures[name] for result in results if name in result.figures]
+        figures = [(result.figures[name], result.scene["seed"]) for result in results if name in result.figures]
         if figures:
-            print("%-8s of %d scenes, at most %.2g" % (name, len(figures), max(figures)))
+            print("%-8s of %d scenes, at most %.2g (scene %d)" % (name, len(figures), *max(figures)))
     print("%-8s %d scenes" % ("resumed", sum("resumed" in result.figures for result in results)))
     print(table(results, time.monotonic() - begin, options.report))
     n_failed = sum(result.problem is not None for result in results)
