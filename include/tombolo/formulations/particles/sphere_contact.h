@@ -186,6 +186,14 @@ namespace tombolo
       return std::sqrt(squared);
     }
 
+    /** Whether spheres at a distance overlap, by more than the round-off of those that were shrunk
+     * until they touch: dampers act as soon as they do. */
+    static bool overlap(const double distance, const double sum_of_radii)
+    {
+      constexpr double round_off = 1e-12;
+      return distance < (1. - round_off) * sum_of_radii;
+    }
+
     using Columns = typename SelfContact<dim>::Columns;
 
     /** Of two parts. */
@@ -284,8 +292,9 @@ namespace tombolo
           moves[i][d] = position.node(own)[d] - columns[part].position[d][row];
         for (std::size_t entry = pairs.start[i]; entry < pairs.start[i + 1] && !is_touching[i];
              ++entry)
-          is_touching[i] = distance(position.node(own), position.node(pairs.partner[entry])) <
-                           spheres.node(own)[radius] + spheres.node(pairs.partner[entry])[radius];
+          is_touching[i] =
+              overlap(distance(position.node(own), position.node(pairs.partner[entry])),
+                      spheres.node(own)[radius] + spheres.node(pairs.partner[entry])[radius]);
       }
       friction->begin_step(*input.position, moves, is_touching, heat);
     }
@@ -307,7 +316,7 @@ namespace tombolo
         const double *const other_sphere = spheres.node(other);
         const double reach = sphere[radius] + other_sphere[radius];
         const double r = distance(x, position.node(other));
-        if (!(r < reach) || r == 0.)
+        if (!overlap(r, reach) || r == 0.)
           continue;
         dealii::Tensor<1, dim> normal;
         double approach = 0;
