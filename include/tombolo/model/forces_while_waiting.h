@@ -110,8 +110,7 @@ namespace tombolo
       };
       for (std::size_t p = 0; p < model.parts.size(); ++p)
       {
-        auto *const grouped_cells =
-            dynamic_cast<GroupedCells<dim> *>(model.parts[p].formulation.get());
+        auto *const grouped_cells = model.parts[p].template as<GroupedCells>();
         if (grouped_cells == nullptr)
           continue;
         // Some microseconds, and whole blocks of CellIntegration: fewer cells do not pay.

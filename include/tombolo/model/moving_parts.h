@@ -10,7 +10,7 @@ namespace tombolo
   template <int dim>
   const RigidCells<dim> *rigid_cells(const Part<dim> &part)
   {
-    return dynamic_cast<const RigidCells<dim> *>(part.formulation.get());
+    return part.template as<RigidCells>();
   }
 
   /** Whether the part moves: by its stresses, or as a rigid body. Parts of heat alone do not. */

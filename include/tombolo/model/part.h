@@ -29,6 +29,13 @@ namespace tombolo
     /** How many of the shortest steps each cell takes in one (StepGroups), in the same order;
      * empty: one. */
     std::vector<unsigned int> step_ratios;
+
+    /** The formulation, if it can do what @p Cells ask for, else null. */
+    template <template <int> class Cells>
+    Cells<dim> *as() const
+    {
+      return dynamic_cast<Cells<dim> *>(formulation.get());
+    }
   };
 
   /** Whether velocities are smoothed in the particle parts among @p parts, in their order: what

@@ -17,7 +17,7 @@ namespace tombolo
     template <int dim>
     const ConvertingCells<dim> *converting_cells_of(const Part<dim> &part)
     {
-      const auto *const cells = dynamic_cast<const ConvertingCells<dim> *>(part.formulation.get());
+      const auto *const cells = part.template as<ConvertingCells>();
       return cells != nullptr && cells->conversion().is_on() ? cells : nullptr;
     }
 

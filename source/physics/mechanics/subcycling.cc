@@ -28,13 +28,6 @@ namespace tombolo
     /** Limits of cells that have left their part are larger. */
     constexpr double departed_limit = 1e200;
 
-    /** The cells of a part, if they can have longer steps, else null. */
-    template <int dim>
-    GroupedCells<dim> *grouped_cells(const Part<dim> &part)
-    {
-      return dynamic_cast<GroupedCells<dim> *>(part.formulation.get());
-    }
-
     /** Calls @p use(part, cell, limit) with eq. (41), by its present inertia, for each cell of this
      * rank that can have longer steps. */
     template <int dim, typename Use>
@@ -44,7 +37,7 @@ namespace tombolo
       for (std::size_t p = 0; p < model.parts.size(); ++p)
       {
         const Part<dim> &part = model.parts[p];
-        if (grouped_cells(part) == nullptr)
+        if (part.template as<GroupedCells>() == nullptr)
           continue;
         part.formulation->courant_limits(model.state.position, limits);
         for (std::size_t cell = 0; cell < limits.size(); ++cell)
@@ -69,7 +62,7 @@ namespace tombolo
     void for_ratios(const Model<dim> &model, const Ratios &ratios, const Count &count)
     {
       for (std::size_t p = 0; p < model.parts.size(); ++p)
-        if (const Part<dim> &part = model.parts[p]; grouped_cells(part) == nullptr)
+        if (const Part<dim> &part = model.parts[p]; part.template as<GroupedCells>() == nullptr)
           count(p,
                 part.particles != nullptr ? part.formulation->particle_nodes().size()
                                           : std::size_t(part.formulation->n_cells()),
@@ -154,7 +147,7 @@ namespace tombolo
     {
       for (Part<dim> &part : model.parts)
       {
-        groups.parts.push_back(grouped_cells(part));
+        groups.parts.push_back(part.template as<GroupedCells>());
         if (groups.parts.back() != nullptr)
           part.step_ratios.assign(part.formulation->n_cells(), 1);
       }
@@ -230,7 +223,7 @@ namespace tombolo
           read(parameters.section("Time step")) == 1)
         return;
       for (Part<dim> &part : parts)
-        if (auto *const cells = dynamic_cast<GroupedCells<dim> *>(part.formulation.get()))
+        if (auto *const cells = part.template as<GroupedCells>())
           cells->prepare_groups();
     }
 
@@ -243,7 +236,8 @@ namespace tombolo
         return nullptr;
       const Section section = parameters.section("Time step").subsection(section_name);
       if (std::all_of(model.parts.begin(), model.parts.end(),
-                      [](const Part<dim> &part) { return grouped_cells(part) == nullptr; }))
+                      [](const Part<dim> &part)
+                      { return part.template as<GroupedCells>() == nullptr; }))
         section.fail("Largest ratio", "no part has cells that can take longer steps: these are "
                                       "elements; allowed is 1.");
       if (model.bridge->is_trace())

@@ -24,7 +24,7 @@ namespace tombolo
     template <int dim>
     SmoothedCells<dim> *refilled_cells_of(const Part<dim> &part)
     {
-      auto *const cells = dynamic_cast<SmoothedCells<dim> *>(part.formulation.get());
+      auto *const cells = part.template as<SmoothedCells>();
       return cells != nullptr && cells->refill().is_on() ? cells : nullptr;
     }
   } // namespace

@@ -32,10 +32,8 @@ namespace tombolo
     {
       for (unsigned int p = 0; p < model.parts.size(); ++p)
         if (const auto source = model.parts[p].source)
-          pairs.push_back(
-              {*source, p,
-               dynamic_cast<ConvertingCells<dim> *>(model.parts[*source].formulation.get()),
-               model.parts[p].particles});
+          pairs.push_back({*source, p, model.parts[*source].template as<ConvertingCells>(),
+                           model.parts[p].particles});
       this->structure.archived([this, &model](StateArchive &archive)
                                { serialize_structure(model, archive); });
       this->records.group("conversion").sums("lost", lost);

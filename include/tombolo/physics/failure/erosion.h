@@ -98,7 +98,7 @@ namespace tombolo
     /** The cells of a part that can be removed, else null. */
     static ErodingCells<dim> *eroding_cells(const Part<dim> &part)
     {
-      auto *const eroding = dynamic_cast<ErodingCells<dim> *>(part.formulation.get());
+      auto *const eroding = part.template as<ErodingCells>();
       return eroding != nullptr && eroding->erodes() ? eroding : nullptr;
     }
 

@@ -99,8 +99,7 @@ namespace tombolo
           std::any_of(model.parts.begin(), model.parts.end(),
                       [](const Part<dim> &part)
                       {
-                        const auto *const cells =
-                            dynamic_cast<const SmoothedCells<dim> *>(part.formulation.get());
+                        const auto *const cells = part.template as<SmoothedCells>();
                         return cells != nullptr && cells->refill().fills_cells;
                       }))
         section.fail("Method",
