@@ -160,5 +160,30 @@ class AbaqusConditions(DeckTest):
             with self.subTest(message), self.assertRaisesRegex(DeckError, message):
                 self.converted(replaced(IMPACT, ("*STEP", text + "*STEP")), "deck.inp")
 
+    def test_loads_of_a_step_begin_as_its_procedure_says(self):
+        plain = TIED.replace(", AMPLITUDE=RAMP", "")
+        self.check(plain, "set Function = 100 ", "set Function = free; free; -0.01 ", "set Function = 5 ")
+        self.check(plain.replace("-DISPLACEMENT\n", "-DISPLACEMENT, STEADY STATE\n"), "set Function = 20 + 80*t",
+                   "set Function = free; free; -0.01*t", "set Function = 5*t", "Steps of heat are steady",
+                   "set Density = 7.85e-09", "set Specific heat capacity = 159000 ")
+        for procedure, function in (("*STATIC\n 1., 1.\n", "10*t"), ("*VISCO\n 1., 1.\n", "10 "), ("*DYNAMIC\n 1., 1.\n", "10 ")):
+            with self.subTest(procedure):
+                self.check(replaced(IMPACT, (STEP, f"*STEP, NLGEOM\n{procedure}*DSLOAD\n TOP, P, 10.\n*END STEP\n")),
+                           f"set Type = pressure set Function = {function}")
+
+    def test_steps_of_heat_alone_have_no_mechanics(self):
+        step = ("*STEP\n*HEAT TRANSFER\n 0.1, 1.\n*BOUNDARY\n FOOT, 11, 11, 300.\n*DSLOAD\n TOP, P, 10.\n*EL PRINT, ELSET=BAR\n S\n"
+                "*END STEP\n")
+        text = replaced(IMPACT, (STEP, step), ("*SPECIFIC HEAT", "*CONDUCTIVITY\n 300.,\n*SPECIFIC HEAT"))
+        self.check(text, "set Model = heat conductor", "set Function = 300", "!set Function = 0", "!quasi-static",
+                   "*BOUNDARY: all steps are *HEAT TRANSFER, and displacements are not used",
+                   "*DSLOAD: all steps are *HEAT TRANSFER, so that this is left out",
+                   "*INITIAL CONDITIONS: all steps are *HEAT TRANSFER, so that this is left out",
+                   "*EL PRINT: all steps are *HEAT TRANSFER, so that this is left out",
+                   "what the material has for mechanics is not used", runs=True)
+        self.check(replaced(TIED, ("*COUPLED TEMPERATURE-DISPLACEMENT", "*HEAT TRANSFER, STEADY STATE")),
+                   "set Stages = Heat, Press", "set End time = 1 set Time integration = quasi-static set Conditions = support 1, temp",
+                   "other steps have mechanics, and here the body expands at rest", "STEADY STATE is not used")
+
 
 main()

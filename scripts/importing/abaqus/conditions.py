@@ -12,6 +12,7 @@ SYMMETRIES = {"XSYMM": (1, 5, 6), "YSYMM": (2, 4, 6), "ZSYMM": (3, 4, 5), "ENCAS
 OTHER_MEANINGS = ("SUBMODEL", "USER", "IMAGINARY", "LOAD CASE", "TIME DELAY", "SECTOR", "FILM AMPLITUDE", "GEOSTATIC",
                   "SECTION POINTS", "REBAR", "FILE")
 TEMPERATURE = 11
+HEAT_ALONE = "all steps are *HEAT TRANSFER"
 SMOOTH_STEPS = 20
 
 
@@ -146,6 +147,9 @@ class Conditions:
 
     def hold(self, section, row, target, dof, value, kind):
         rigid = self.converter.rigid_of(row.line, target)
+        if dof != TEMPERATURE and not self.converter.has_mechanics:
+            self.report.count(row.line.place, f"*BOUNDARY: {HEAT_ALONE}, and displacements are not used.")
+            return
         if 4 <= dof <= 6 and rigid is None:
             self.report.count(row.line.place, "Degrees of freedom 4 to 6 are not used: nodes of solids do not turn.")
             return
@@ -162,7 +166,7 @@ class Conditions:
         step = self.converter.step
         if rigid is not None and value != 0 and kind == "displacement" and dof in values and values[dof][0] != kind:
             raise NotUnderstood("a rigid body with a velocity in the step before has no displacement here")
-        if kind == "displacement" and dof != TEMPERATURE and not step.ramps and value != 0 and \
+        if kind == "displacement" and dof != TEMPERATURE and not step.ramps and not step.is_static and value != 0 and \
                 not section.get("AMPLITUDE") and not self.converter.is_model:
             raise NotUnderstood("a displacement without AMPLITUDE is a jump, which an explicit step does not have")
         text, last = self.function(section, value, before)
@@ -397,6 +401,10 @@ class Conditions:
             return self.converter.name_of_faces(faces, f"{target} {word}")
         raise NotUnderstood(f"{word} is not understood ({letter} and {letter}1 to {letter}6 are)")
 
+    def refuse_forces(self, section):
+        if section.name in ("CLOAD", "DLOAD", "DSLOAD") and not self.converter.has_mechanics:
+            raise NotUnderstood(HEAT_ALONE)
+
     def begin_anew(self, section):
         """OP=NEW ends what was prescribed by the keyword before this step."""
         if key(section.get("OP", "MOD")) != "NEW" or (section.name, self.converter.step) in self.begun:
@@ -409,7 +417,8 @@ class Conditions:
     def readers(self):
         """By keyword; each says first what ends."""
         def after(read):
-            return lambda section: (refuse_other_meanings(section), self.begin_anew(section), read(section))
+            return lambda section: (refuse_other_meanings(section), self.refuse_forces(section), self.begin_anew(section),
+                                    read(section))
         return {keyword: after(read) for keyword, read in self.all_readers().items()}
 
     def all_readers(self):

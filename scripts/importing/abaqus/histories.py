@@ -5,6 +5,7 @@ import re
 
 from ..histories import Histories
 from ..scene import NotUnderstood, number
+from .conditions import HEAT_ALONE
 from .deck import key
 
 NODES, ELEMENTS = ("NODE OUTPUT", "NODE PRINT"), ("ELEMENT OUTPUT", "EL PRINT")
@@ -90,6 +91,8 @@ class HistoryReader:
 
     def add_elements(self, section, target):
         """The name of the table that has them."""
+        if not self.converter.has_mechanics:
+            raise NotUnderstood(HEAT_ALONE)
         if key(section.get("POSITION", "INTEGRATION POINTS")) not in ("INTEGRATION POINTS", "CENTROIDAL"):
             raise NotUnderstood(f"POSITION={section.get('POSITION')} is not understood")
         elements = self.converter.elements_of(section.line, target)

@@ -4,7 +4,7 @@
 from collections import Counter
 
 from ..scene import NotUnderstood, number
-from .conditions import refuse_other_meanings
+from .conditions import HEAT_ALONE, refuse_other_meanings
 from .deck import key
 
 
@@ -31,6 +31,8 @@ class InitialConditions:
     def read(self, section):
         refuse_other_meanings(section)
         kind = key(section.get("TYPE"))
+        if kind in ("VELOCITY", "STRESS") and not self.converter.has_mechanics:
+            raise NotUnderstood(HEAT_ALONE)
         if kind == "VELOCITY":
             for row in section.rows():
                 self.read_velocity(row)

@@ -188,9 +188,16 @@ class Material:
     def take_steady_heat(self, time, extent):
         """A capacity for which a body of this extent comes to rest within each step of heat."""
         conductivity = float(self.heat.get("Conductivity", "1").split(",")[0].split(":")[-1])
-        self.density = 1.0
-        self.heat["Specific heat capacity"] = number(float(f"{STEADY_SHARE * conductivity * time / extent**2:.3g}"))
+        self.density = self.density or 1.0
+        capacity = STEADY_SHARE * conductivity * time / extent**2 / self.density
+        self.heat["Specific heat capacity"] = number(float(f"{capacity:.3g}"))
         self.remarks.append("Steps of heat are steady: a small heat capacity lets each of them end at rest.")
+
+    def conduct_alone(self):
+        """Without what is of mechanics."""
+        if self.constants or self.flow:
+            self.remarks.append("All steps are *HEAT TRANSFER: what the material has for mechanics is not used.")
+        self.constants, self.flow, self.kinematic = {}, {}, None
 
     def complete(self, has_heat, is_adiabatic, initial_temperature, is_at_rest):
         """Comments, and the entries of the section."""

@@ -33,6 +33,7 @@ class Converter:
         refuse_mixed_units((material.density, f'"{material.name}"', material.line.place)
                            for material in self.materials.values() if material.density)
         self.model, self.steps = steps_of(deck, report)
+        self.has_mechanics = not self.steps or not all(step.is_heat_alone for step in self.steps)
         self.initial = InitialConditions(self)
         self.initial_temperature = self.initial.temperature
         self.viscosity = self.read_viscosity()
@@ -54,13 +55,17 @@ class Converter:
         has_heat = any(step.has_heat for step in self.steps)
         is_adiabatic = any(step.is_adiabatic for step in self.steps)
         is_at_rest = all(step.is_static for step in self.steps) and not has_heat
-        steady_time = min((step.time for step in self.steps), default=0.0) if all(
-            step.is_steady_heat for step in self.steps) else 0.0
+        steady = [step for step in self.steps if step.is_steady]
+        steady_time = min((step.time for step in steady), default=0.0) if len(steady) == len(self.steps) else 0.0
+        for step in steady if not steady_time else ():
+            step.procedure.known.discard("STEADY STATE")
         for k, material in self.parts.used_materials.items():
             if material.density is None:
                 self.scene.without_density.add(usable(material.name, ",/=#\\\""))
             if steady_time > 0:
                 material.take_steady_heat(steady_time, self.mesh.largest_extent())
+            if not self.has_mechanics:
+                material.conduct_alone()
             self.scene.materials[usable(material.name, ",/=#\\\"")] = material.complete(
                 has_heat, is_adiabatic, self.initial_temperature, is_at_rest)
             for remark in material.remarks:

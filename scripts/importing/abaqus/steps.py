@@ -18,8 +18,8 @@ class Step:
         self.name = self.name.strip() or f"step {number_of_step}"
         self.sections, self.procedure = [], None
         self.time, self.increment = 0.0, 0.0
-        self.is_explicit = self.has_heat = self.is_static = self.is_adiabatic = self.is_steady_heat = False
-        self.ramps = False
+        self.is_explicit = self.has_heat = self.is_static = self.is_adiabatic = False
+        self.is_heat_alone = self.is_steady = self.ramps = False
         self.entries = {}
 
     def read_procedure(self, section, report):
@@ -33,12 +33,14 @@ class Step:
         self.is_static = section.name in ("STATIC", "VISCO", "COUPLED TEMPERATURE-DISPLACEMENT",
                                           "UNCOUPLED TEMPERATURE-DISPLACEMENT")
         self.has_heat = "TEMPERATURE" in section.name or section.name == "HEAT TRANSFER"
-        self.is_steady_heat = section.name == "HEAT TRANSFER" and section.has("STEADY STATE")
+        self.is_heat_alone = section.name == "HEAT TRANSFER"
+        self.is_steady = self.has_heat and section.has("STEADY STATE")
         if self.is_static and key(self.section.get("NLGEOM", "NO" if not self.section.has("NLGEOM") else "YES")) == "NO":
             report.note(self.section.line.place, "*STEP without NLGEOM: displacements can be large here.")
         if section.name == "DYNAMIC" and not self.is_explicit:
             report.note(section.line.place, "*DYNAMIC: steps are explicit here.")
-        self.ramps = self.is_static and key(self.section.get("AMPLITUDE", "RAMP")) == "RAMP"
+        default = "RAMP" if section.name == "STATIC" or self.is_steady else "STEP"
+        self.ramps = not self.is_explicit and key(self.section.get("AMPLITUDE", default)) == "RAMP"
         if self.is_static or self.has_heat:
             for row in rows[:1]:
                 for k in (2, 3):
@@ -88,6 +90,10 @@ def steps_of(deck, report):
             step.section.is_read = False
             report.note(step.section.line.place, f'*STEP "{step.name}" has no procedure that is possible here (*STATIC, '
                         "*DYNAMIC, *COUPLED TEMPERATURE-DISPLACEMENT, *HEAT TRANSFER), and is left out.")
+    for step in steps:
+        if step.is_heat_alone and not all(one.is_heat_alone for one in steps):
+            step.is_static = True
+            report.note(step.procedure.line.place, "*HEAT TRANSFER: other steps have mechanics, and here the body expands at rest.")
     return model, steps
 
 
