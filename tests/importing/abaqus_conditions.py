@@ -185,5 +185,20 @@ class AbaqusConditions(DeckTest):
                    "set Stages = Heat, Press", "set End time = 1 set Time integration = quasi-static set Conditions = support 1, temp",
                    "other steps have mechanics, and here the body expands at rest", "STEADY STATE is not used")
 
+    def test_stresses_of_integration_points(self):
+        """In rows of CalculiX the second field is the number of a point."""
+        def scene(stress):
+            rows = "".join(f" {e}, {p}, {stress(e, p)}, 0., -8., 2., 0.5, 3.\n" for e in (1, 2) for p in (1, 3))
+            text = replaced(IMPACT, (START, "*INITIAL CONDITIONS, TYPE=STRESS\n" + rows + "*INITIAL CONDITIONS, TYPE=TEMPERATURE\n ALL, 298.\n"))
+            self.check(text, "set Stress = ", runs=True)
+            return self.scene(text, "deck.inp")
+        text, said = scene(lambda e, p: 7)
+        self.assertIn("stress 1 set Stress = 7; 0; -8; 3; 0.5; 2", text)
+        self.assertNotIn("mean stress", said)
+        text, said = scene(lambda e, p: 10 * e + p)
+        self.assertIn("set Where = z > -2e-06 && z < 1.000002 set Stress = 12; 0; -8; 3; 0.5; 2", text)
+        self.assertIn("set Where = z > 0.999998 && z < 2.000002 set Stress = 22; 0; -8; 3; 0.5; 2", text)
+        self.assertIn("an element has the mean stress of its points. (2 times)", said)
+
 
 main()

@@ -37,8 +37,7 @@ class InitialConditions:
             for row in section.rows():
                 self.read_velocity(row)
         elif kind == "STRESS":
-            for row in section.rows():
-                self.add_stress(row)
+            self.read_stresses(section)
         elif kind != "TEMPERATURE":
             raise NotUnderstood(f"TYPE={kind} is not understood (VELOCITY, TEMPERATURE and STRESS are)")
 
@@ -51,12 +50,26 @@ class InitialConditions:
             components = self.velocities.get(target, ((0.0,) * self.mesh.dimension, None))[0]
             self.velocities[target] = (*components[:dof - 1], row.number(2), *components[dof:]), row
 
-    def add_stress(self, row):
-        target = row.text(0)
-        xx, yy, zz, xy, xz, yz = (row.number(k) for k in range(1, 7))
-        nodes = self.converter.nodes_of_elements(row.line, target)
-        self.scene.add("Initial conditions", "stress", {
-            **self.parts_or_box(nodes, target), "Stress": "; ".join(map(number, (xx, yy, zz, yz, xz, xy)))}, row.line.place)
+    def read_stresses(self, section):
+        """Rows of Abaqus are elements and six components, and those of CalculiX an element, an integration point and
+        these: it has their mean. Elements of equal stresses are one condition."""
+        stresses = {}  # of the integration points of a target, with a row
+        for row in section.rows():
+            first = 2 if len(row) > 7 else 1
+            key_of_target = key(row.text(0)) if first == 2 else row
+            row.text(first - 1)
+            stresses.setdefault(key_of_target, ([], row))[0].append([row.number(k) for k in range(first, first + 6)])
+        alike = {}
+        for of_points, row in stresses.values():
+            mean = tuple(sum(values) / len(of_points) for values in zip(*of_points))
+            if any(tuple(one) != mean for one in of_points):
+                self.converter.report.count(row.line.place, "*INITIAL CONDITIONS: an element has the mean stress of its points.")
+            alike.setdefault(mean if len(row) > 7 else row, (mean, []))[1].append(row)
+        for (xx, yy, zz, xy, xz, yz), rows in alike.values():
+            nodes = {node for row in rows for node in self.converter.nodes_of_elements(row.line, row.text(0))}
+            self.scene.add("Initial conditions", "stress", {
+                **self.parts_or_box(nodes, rows[0].text(0)), "Stress": "; ".join(map(number, (xx, yy, zz, yz, xz, xy)))},
+                rows[0].line.place)
 
     def write(self):
         rigid = {target: value for target, value in self.velocities.items() if isinstance(target, str)}
