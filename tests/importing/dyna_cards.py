@@ -95,6 +95,12 @@ class DynaCards(DeckTest):
         load = "*LOAD_NODE_SET\n" + card(2, 1, 7, 10.0) + "\n"
         self.check(replaced(BAR, (END, curve + load + END)), "set Type = traction set Area = initial",
                    "set Function = 40*table(deck_curve_7.csv, t); 0; 0", "the force at each of 4 nodes is a traction")
+        def of(*nodes):
+            return replaced(BAR, (END, f"{curve}*LOAD_NODE_POINT\n" + "".join(card(n, 1, 7, f) + "\n" for n, f in nodes) + END))
+        self.check(of((17, 10), (18, 10), (19, 10), (20, 10)), "set Boundary = node set 2 set Type = traction set Area = initial",
+                   "set Function = 40*table(deck_curve_7.csv, t); 0; 0", "the force at each of 4 nodes is a traction")
+        self.check(of((17, 10), (18, 10)), 'the nodes of "17", "18" make no face of the boundary', "!set Type = traction")
+        self.check(of((17, 10), (18, 10), (19, 20), (20, 20)), 'on "17", "18", "19", "20" turn the body', "!set Type = traction")
         for late, pressure in (("4.0E-7", "if(t < 4e-07, 0, 2*table(deck_curve_7.csv, t - 4e-07))"),
                                ("0", "2*table(deck_curve_7.csv, t)")):
             for death, whole in (("8.0E-7", f"if(t < 8e-07, {pressure}, 0)"), ("2.0E-6", pressure)):
@@ -155,6 +161,12 @@ class DynaCards(DeckTest):
                    "set Flow stresses = 300, 2319.230769; 100, 1105.586592")
         self.check(replaced(BAR, (ELASTIC, replaced(material, (card(300, 100), card(0)), (card(2000, 1000), card(0))))),
                    "set Model = elastic", "set Young's modulus = 210000", "!Flow stress")
+
+    def test_heat_of_a_density_of_its_own(self):
+        for density, capacity in (("0", 450000000), ("7.85E-9", 450000000), ("15.7E-9", 900000000)):
+            thermal = "*MAT_THERMAL_ISOTROPIC\n" + card(9, density) + "\n" + card("4.5E8", 50) + "\n"
+            self.check(replaced(BAR, (ELASTIC, ELASTIC + thermal), (card(1, 1, 1), card(1, 1, 1, 0, 0, 0, 0, 9))),
+                       f"set Specific heat capacity = {capacity} ", "!TRO")
 
     def test_a_material_that_is_not_read(self):
         scene, said = self.scene(replaced(BAR, ("*MAT_ELASTIC", "*MAT_NULL")), "deck.k")

@@ -141,6 +141,16 @@ CASES = {
         ("*END", "*DEFINE_COORDINATE_SYSTEM\n" + card(3, 0, 0, 0, 1, 1, 0) + "\n" + card(-1, 1, 0) + "\n*END")], 0, [
             "set Axes     = 0.7071067812, 0.7071067812, 0; -0.7071067812, 0.7071067812, 0", "set Function = 0; free; free",
             "Condition: support", "all keywords were used"]),
+    "supports of nodes beside one of no cell and one in axes that are not there": ([
+        (NODES, NODES + card(99, width=8) + card(9, 0, 0, width=16) + "\n"),
+        (SUPPORT, "*BOUNDARY_SPC_NODE\n" + "\n".join(card(*row) for row in (
+            (99, 0, 1, 1), (17, 3, 1), *((n, 0, 1, 1, 1) for n in (1, 2, 3, 4)))) + "\n")], 0, [
+                "set Boundary = node set 1", "Condition: support 1", "!Condition: support 2", "*BOUNDARY_SPC_NODE (2 times",
+                "none of its nodes is one of a cell, so that this is left out (line 47)",
+                "CID = 3 is no *DEFINE_COORDINATE_SYSTEM or _VECTOR of this file, so that this is left out (line 48)"]),
+    "a pressure on faces of the boundary and on one inside": ([
+        ("*END", "*LOAD_SEGMENT\n" + card(1, 2, 0, 5, 6, 7, 8) + "\n" + card(1, 2, 0, 17, 18, 19, 20) + "\n*END")], 0, [
+            "set Boundary = segments of line 56", "it is no face of the boundary, so that this is left out (line 55)"]),
     "several supports with titles": ([(SUPPORTED, SUPPORTED + "\n         2right, 5\n" + card(2, 0, 0, 1, 0)),
                                       ("*BOUNDARY_SPC_SET\n", "*BOUNDARY_SPC_SET_ID\n         1left\n")], 0, [
                                           "line 47: left", "line 49: right, 5", "free; 0; free"]),
@@ -254,6 +264,8 @@ class Forms(DeckTest):
         self.write("mesh/nodes.k", b"\xef\xbb\xbf" + (ELEMENTS + NODES).replace("\n", "\r\n").encode())
         code, printed, _ = self.convert(main)
         self.assertEqual(code, 0, printed)
+        code, printed, _ = self.convert(main.replace("*INCLUDE\nmesh\\all.k", "*INCLUDE_PATH_RELATIVE\nmesh\n*INCLUDE\nall.k"))
+        self.assertEqual((code, printed), (0, "all keywords were used"))
         self.write("mesh/all.k", "*INCLUDE\nnodes.k\n")
         self.assertIn("extent [0, 4] x [0, 1] x [0, 1]", self.dry_run("bar.prm"))
         for text, message in (("*INCLUDE\nnone.k\n", 'line 2 of "mesh\\all.k": "none.k", relative to the file that names it: There is no such file'),

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """*BOUNDARY, *CLOAD, *DLOAD, *DSLOAD, films and fluxes."""
 
+from ..node_forces import NodeForces
 from ..scene import NotUnderstood, interpolated, number
 from .deck import key
-from .node_forces import NodeForces
 from .transforms import Transforms
 
 SYMMETRIES = {"XSYMM": (1, 5, 6), "YSYMM": (2, 4, 6), "ZSYMM": (3, 4, 5), "ENCASTRE": (1, 2, 3, 4, 5, 6),

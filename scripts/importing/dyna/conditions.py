@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Supports, drives and loads: *BOUNDARY_..., *LOAD_..., TC of *NODE."""
 
+from ..node_forces import NodeForces
 from ..scene import NotUnderstood, integral, number
 
 AXES = "xyz"
@@ -151,20 +152,24 @@ def is_support(converter, axes):
 
 def support_of_nodes(converter, section):
     """*BOUNDARY_SPC_NODE: nodes with equal directions are one support."""
-    nodes, first = {}, {}
-    for record in section.records():
+    groups = {}
+
+    def read(record):
         axes, entries = in_axes(converter, record, held_axes(record))
         node = converter.mesh.node(record.integer("NID"), record.line)
         if "BIRTH" in record.fields:
             entries.update(times(converter, record))
         converter.refuse_unused(record)
         if is_support(converter, axes) and (entries or not are_ends(converter, record, [node], {AXES.index(axis): "0" for axis in axes})):
-            alike = (tuple(axes), tuple(entries.items()))
-            nodes.setdefault(alike, []).append(node)
-            first.setdefault(alike, record)
-    for (axes, entries), members in nodes.items():
-        converter.scene.add("Conditions", "support", fixed(
-            converter, converter.scene.selection(members), axes, dict(entries)), first[axes, entries].line.place)
+            groups.setdefault((tuple(axes), tuple(entries.items())), []).append((node, record.line))
+
+    def hold(axes, entries, nodes, place):
+        converter.scene.add("Conditions", "support", fixed(converter, converter.scene.selection(nodes), axes, dict(entries)), place)
+
+    converter.each_record(section, read)
+    for (axes, entries), members in groups.items():
+        nodes, lines = zip(*members)
+        converter.attempt(section, lines, hold, axes, entries, nodes, lines[0].place)
 
 
 def function_of_time(converter, record, factor_field="SF"):
@@ -304,27 +309,55 @@ def integrated(converter, number_of_curve):
 
 
 def load_of_nodes(converter, record):
-    """*LOAD_NODE_SET, *LOAD_NODE_POINT: the sum of the forces as a traction on the faces of the nodes."""
-    if "NSID" not in record.fields:
-        raise NotUnderstood("forces on single nodes are not possible here")
+    """*LOAD_NODE_SET: the sum of the forces as a traction on the faces of the nodes."""
     nodes = converter.members(record)
     where = converter.node_set(record)
     if "Boundary" not in where:
         raise NotUnderstood("its nodes make no face of the boundary")
+    factor, curve, axis, entries = force_of(converter, record)
+    if record.unused():
+        return
+    forces = NodeForces(converter.mesh, converter.scene.nodes_of_cells())
+    forces.add(record, "", nodes, factor)
+    yield "Conditions", "load", traction(converter, record.section, where, forces, curve, axis, entries)
+
+
+def force_of(converter, record):
+    """Factor and curve of a force, its direction, and the entry of its axes."""
     axis = record.integer("DOF")
     if axis not in (1, 2, 3):
         raise NotUnderstood(f"DOF = {axis} is not understood (1, 2 and 3 are)")
-    factor, curve = function_of_time(converter, record)
-    axes, entries = in_load_axes(converter, record, AXES[axis - 1])
-    if record.unused():
-        return
-    area = converter.mesh.area(converter.mesh.faces_of_nodes(nodes))
-    converter.report.note(record.line.place, f"*{record.section.keyword}: the force at each of {len(set(nodes))} nodes is a "
-                          f"traction over their faces, whose area is {area:g} at the start: the sum is the same, its "
-                          "distribution is not.")
-    yield "Conditions", "load", {
-        **where, "Type": "traction", "Area": "initial", **entries, "Function": components(converter, axes, times_table(
-            converter, factor * len(set(nodes)) / area, curve), "0")}
+    return *function_of_time(converter, record), *in_load_axes(converter, record, AXES[axis - 1])
+
+
+def traction(converter, section, where, forces, curve, axis, entries):
+    area, n = converter.mesh.area(forces.faces()), len(forces.forces)
+    text = times_table(converter, forces.total() / area, curve)
+    converter.report.note(forces.place, f"*{section.keyword}: the force at each of {n} nodes is a traction over their faces, whose "
+                          f"area is {area:g} at the start: the sum is the same, its distribution is not.")
+    return {**where, "Type": "traction", "Area": "initial", **entries, "Function": components(converter, axis, text, "0")}
+
+
+def forces_on_nodes(converter, section):
+    """*LOAD_NODE_POINT: forces of one direction and curve are one load, where the nodes make faces together."""
+    groups = {}
+
+    def read(record):
+        factor, curve, axis, entries = force_of(converter, record)
+        node = converter.mesh.node(record.integer("NID"), record.line)
+        converter.refuse_unused(record)
+        forces, lines = groups.setdefault((curve, axis, tuple(entries.items())), (NodeForces(
+            converter.mesh, converter.scene.nodes_of_cells()), []))
+        forces.add(record, record.text("NID"), [node], factor)
+        lines.append(record.line)
+
+    def load(forces, curve, axis, entries):
+        entries = traction(converter, section, converter.scene.selection(forces.forces), forces, curve, axis, dict(entries))
+        converter.scene.add("Conditions", "load", entries, forces.place)
+
+    converter.each_record(section, read)
+    for (curve, axis, entries), (forces, lines) in groups.items():
+        converter.attempt(section, lines, load, forces, curve, axis, entries)
 
 
 def in_load_axes(converter, record, axis):
@@ -372,23 +405,28 @@ def pressure_of_time(converter, factor, curve, birth, death):
 def pressure_on_segments(converter, section):
     """*LOAD_SEGMENT: segments with equal curves are one pressure."""
     groups = {}
-    for record in section.records():
+
+    def read(record):
         factor, curve = function_of_time(converter, record)
         birth = record.number("AT")
         n_corners = 4 if converter.mesh.dimension == 3 else 2
         nodes = [converter.mesh.node(record.integer(f"N{k}"), record.line) for k in range(1, n_corners + 1)]
         converter.refuse_unused(record)
-        groups.setdefault((factor, curve, birth), []).append((tuple(nodes), record))
-    for (factor, curve, birth), faces in groups.items():
-        place = faces[0][1].line.place
-        wanted = [face for face, _ in faces if tuple(sorted(face)) in converter.mesh.boundary_faces]
-        if len(wanted) < len(faces):
-            raise NotUnderstood(f"{len(faces) - len(wanted)} of its segments are no faces of the boundary")
-        factor *= way_of_segments(converter, wanted, faces[0][1].line)
-        name = converter.scene.new_surface(wanted, f"segments of {place}".replace('"', ""))
+        if tuple(sorted(nodes)) not in converter.mesh.boundary_faces:
+            raise NotUnderstood("it is no face of the boundary")
+        groups.setdefault((factor, curve, birth), []).append((tuple(nodes), record.line))
+
+    def press(factor, curve, birth, faces, line):
+        factor *= way_of_segments(converter, faces, line)
+        name = converter.scene.new_surface(faces, f"segments of {line.place}".replace('"', ""))
         converter.scene.add("Conditions", "pressure", {
             "Boundary": name, "Type": "pressure",
-            "Function": pressure_of_time(converter, factor, curve, birth, 0.0)}, place)
+            "Function": pressure_of_time(converter, factor, curve, birth, 0.0)}, line.place)
+
+    converter.each_record(section, read)
+    for key, members in groups.items():
+        faces, lines = zip(*members)
+        converter.attempt(section, lines, press, *key, faces, lines[0])
 
 
 def body_load(converter, record):
@@ -436,8 +474,8 @@ def temperature(converter, record):
 RECORDS = {"BOUNDARY_SPC_SET": support, "BOUNDARY_SPC_SET_BIRTH_DEATH": support,
            "BOUNDARY_PRESCRIBED_MOTION_SET": motion,
            "BOUNDARY_PRESCRIBED_MOTION_NODE": motion, "BOUNDARY_PRESCRIBED_MOTION_RIGID": rigid_motion,
-           "LOAD_NODE_SET": load_of_nodes, "LOAD_NODE_POINT": load_of_nodes, "LOAD_NODE": load_of_nodes,
+           "LOAD_NODE_SET": load_of_nodes,
            "LOAD_SEGMENT_SET": pressure, "LOAD_BODY_X": body_load, "LOAD_BODY_Y": body_load, "LOAD_BODY_Z": body_load,
            "BOUNDARY_TEMPERATURE_SET": temperature}
 SECTIONS = {"BOUNDARY_SPC_NODE": support_of_nodes, "BOUNDARY_SPC_NODE_BIRTH_DEATH": support_of_nodes,
-            "LOAD_SEGMENT": pressure_on_segments}
+            "LOAD_SEGMENT": pressure_on_segments, "LOAD_NODE_POINT": forces_on_nodes, "LOAD_NODE": forces_on_nodes}

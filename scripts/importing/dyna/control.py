@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """*CONTROL_..., *DATABASE_..., *DAMPING_...: how long, in which steps, and what is written."""
 
-from ..scene import NotUnderstood, number
+from ..scene import number
 from .conditions import is_at_rest
 
 
@@ -103,14 +103,14 @@ def nodes(converter, section):
              for line, one, label in watched(converter, section, "a node")]
     if found:
         members, labels, lines = zip(*found)
-        try_to_add(converter, section, lines[0], converter.histories.add_nodes, members, labels)
+        converter.attempt(section, lines[:1], converter.histories.add_nodes, members, lines[0].place, labels)
 
 
 def node_sets(converter, section):
     """*DATABASE_HISTORY_NODE_SET."""
     for line, one, _ in watched(converter, section, "a set of nodes"):
         name = converter.name_of_set("node set", section.transform.number("S", one), line)
-        try_to_add(converter, section, line, converter.histories.add_nodes, converter.mesh.all_node_sets[name])
+        converter.attempt(section, [line], converter.histories.add_nodes, converter.mesh.all_node_sets[name], line.place)
 
 
 def solids(converter, section):
@@ -123,21 +123,14 @@ def solids(converter, section):
         found.append((cell, label, line))
     if found:
         cells, labels, lines = zip(*found)
-        try_to_add(converter, section, lines[0], converter.histories.add_cells, cells, "solid", labels)
+        converter.attempt(section, lines[:1], converter.histories.add_cells, cells, lines[0].place, "solid", labels)
 
 
 def solid_sets(converter, section):
     """*DATABASE_HISTORY_SOLID_SET."""
     for line, one, _ in watched(converter, section, "a set of elements"):
         name = converter.name_of_set("solid set", section.transform.number("S", one), line)
-        try_to_add(converter, section, line, converter.histories.add_cells, converter.mesh.groups.get(name, ()), "solid")
-
-
-def try_to_add(converter, section, line, add, members, *further):
-    try:
-        add(members, line.place, *further)
-    except NotUnderstood as reason:
-        converter.leave_out(section, [line], line.place, reason)
+        converter.attempt(section, [line], converter.histories.add_cells, converter.mesh.groups.get(name, ()), line.place, "solid")
 
 
 RECORDS = {"CONTROL_TERMINATION": termination, "CONTROL_TIMESTEP": time_step, "CONTROL_BULK_VISCOSITY": viscosity,

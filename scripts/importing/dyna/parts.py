@@ -79,7 +79,7 @@ class PartReader:
             if equation in converter.equations:
                 material.give_equation(converter.equations[equation])
             if thermal in converter.thermal:
-                material.heat = converter.heat_of(converter.thermal[thermal])
+                material.heat = converter.heat_of(converter.thermal[thermal], material.density)
         return result
 
     def part(self, name, number_of_part, section, material):

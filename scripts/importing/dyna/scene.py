@@ -11,7 +11,7 @@ from .links import LinkReader
 from .materials import EOS, MODELS, Material
 from .parts import PartReader
 
-OF_THE_MESH = ("KEYWORD", "TITLE", "INCLUDE", "INCLUDE_PATH", "INCLUDE_TRANSFORM", "PARAMETER", "PARAMETER_LOCAL",
+OF_THE_MESH = ("KEYWORD", "TITLE", "INCLUDE", "INCLUDE_PATH", "INCLUDE_PATH_RELATIVE", "INCLUDE_TRANSFORM", "PARAMETER", "PARAMETER_LOCAL",
                "PARAMETER_EXPRESSION", "PARAMETER_EXPRESSION_LOCAL", "DEFINE_TRANSFORMATION", "NODE", "ELEMENT_SOLID", "ELEMENT_SOLID_H20", "ELEMENT_SOLID_H27", "ELEMENT_SHELL")
 # Of these a field that is not understood leaves the thing out: it would act elsewhere, or at another time.
 STRICT = {**conditions.RECORDS, **initial.RECORDS, **contacts.RECORDS}
@@ -102,15 +102,15 @@ class Converter:
                     return f"*{section.keyword} ({section.line.place}), which is not read"
         return "not there"
 
-    def heat_of(self, record):
-        """*MAT_THERMAL_ISOTROPIC."""
-        record.number("TRO")
+    def heat_of(self, record, density):
+        """*MAT_THERMAL_ISOTROPIC, whose capacity is that of a density of its own (TRO) where it has one."""
+        share = (record.number("TRO") or density) / density
         temperature = 0.0
         for section in self.deck.named("INITIAL_TEMPERATURE_SET"):
             for one in section.records():
                 if one.peek("NSID") == 0:
                     temperature = one.peek("TEMP")
-        return {"Specific heat capacity": number(record.number("HC")), "Conductivity": number(record.number("TC")),
+        return {"Specific heat capacity": number(share * record.number("HC")), "Conductivity": number(record.number("TC")),
                 "Initial temperature": number(temperature)}
 
     def records_of(self, *sections):
@@ -159,6 +159,24 @@ class Converter:
         unused = record.unused()
         if unused:
             raise NotUnderstood(", ".join(f"{field.name} = {field.text}" for field in unused) + " is not understood")
+
+    def attempt(self, section, lines, action, *arguments):
+        """Does something with lines of a section, or leaves them out."""
+        try:
+            action(*arguments)
+        except NotUnderstood as reason:
+            self.leave_out(section, lines, lines[0].place, reason)
+
+    def each_record(self, section, read):
+        """Reads the records of a section, and leaves those out that are not understood."""
+        left_out = {}
+        for record in section.records():
+            try:
+                read(record)
+            except NotUnderstood as reason:
+                left_out.setdefault(str(reason), []).extend(record.lines)
+        for reason, lines in left_out.items():
+            self.leave_out(section, lines, lines[0].place, reason)
 
     def leave_out(self, section, lines, place, reason):
         self.report.leave_out(section, lines, f"{reason}, so that this is left out ({place})")

@@ -1,21 +1,22 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Forces at nodes that are tractions over the faces of these nodes."""
 
-from ..scene import NotUnderstood
+from .scene import NotUnderstood
 
 # Of the largest arm: beyond it, what forces turn is not what an even traction turns.
 LARGEST_ARM = 0.05
 
 
 class NodeForces:
-    """Forces of one direction at nodes, by *CLOAD: a row of it, or those rows together whose nodes make no face alone."""
+    """Forces of one direction at nodes: those of a card, or of those cards together whose nodes make no face alone. A card
+    has its line."""
 
     def __init__(self, mesh, nodes_of_cells):
         self.mesh, self.nodes_of_cells = mesh, nodes_of_cells
         self.targets, self.forces, self.place = [], {}, None
 
-    def add(self, row, target, nodes, value):
-        self.place = self.place or row.line.place
+    def add(self, card, target, nodes, value):
+        self.place = self.place or card.line.place
         self.targets.append(target)
         for node in nodes:
             self.forces[node] = self.forces.get(node, 0.0) + value
