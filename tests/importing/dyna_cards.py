@@ -28,6 +28,7 @@ class DynaCards(DeckTest):
                    "LCSS = 8 is a table over strain rates: they are plastic ones", "set Strain rates = 0.001, 100",
                    "set Flow stresses = 200, 300; ",
                    "SOFT = 2 is not used", "VDC = 20 is not used", "*HOURGLASS (1 time")
+        self.check(replaced(PRESS, (card(0, 0, 8), card(0, 0, 8, 0, 1))), "!they are plastic ones", "!VP", "set Strain rates = 0.001, 100")
         self.dry_run("deck.prm")
         rows = (self.directory / "deck_curve_6_integrated.csv").read_text().split("\n")
         self.assertIn("1e-05, 0.05", rows[-2])
@@ -167,6 +168,13 @@ class DynaCards(DeckTest):
             thermal = "*MAT_THERMAL_ISOTROPIC\n" + card(9, density) + "\n" + card("4.5E8", 50) + "\n"
             self.check(replaced(BAR, (ELASTIC, ELASTIC + thermal), (card(1, 1, 1), card(1, 1, 1, 0, 0, 0, 0, 9))),
                        f"set Specific heat capacity = {capacity} ", "!TRO")
+
+    def test_the_law_of_johnson_and_cook_without_temperatures(self):
+        material = "*MAT_SIMPLIFIED_JOHNSON_COOK\n" + card(1, "8.96E-9", 124000, 0.34) + "\n" + card(
+            90, 292, 0.31, 0.025, 0.8, 400, "1.0E28") + "\n"
+        self.check(replaced(BAR, (ELASTIC, material)), "set Flow stress = johnson cook", "set Hardening coefficient = 292",
+                   "set Rate coefficient = 0.025", "set Reference rate = 1 ", "set Erosion strain = 0.8",
+                   "SIGMAX = 400 is not used", "!SIGSAT", "!Specific heat", runs=True)
 
     def test_a_material_that_is_not_read(self):
         scene, said = self.scene(replaced(BAR, ("*MAT_ELASTIC", "*MAT_NULL")), "deck.k")

@@ -7,7 +7,7 @@ from ..scene import (WITHOUT_SOFTENING, at_one_temperature, expansion_increments
                      plastic_curve, tabular, tabular_over)
 from .cards import form_of
 
-MODELS = ("MAT_001", "MAT_003", "MAT_004", "MAT_015", "MAT_020", "MAT_024", "MAT_106")
+MODELS = ("MAT_001", "MAT_003", "MAT_004", "MAT_015", "MAT_020", "MAT_024", "MAT_098", "MAT_106")
 NO_FAILURE = 1e10  # a strain
 EOS = ("EOS_GRUNEISEN", "EOS_LINEAR_POLYNOMIAL")
 
@@ -29,7 +29,7 @@ class Material:
         self.back_stress = 0  # the modulus of kinematic hardening
         self.start_of_tables = record.number("TREF")
         readers = {"MAT_003": self.read_plastic_kinematic, "MAT_004": self.read_over_temperature, "MAT_024": self.read_piecewise_linear,
-                   "MAT_106": self.read_viscoplastic_thermal, "MAT_020": self.read_rigid}
+                   "MAT_098": self.read_simplified_cook, "MAT_106": self.read_viscoplastic_thermal, "MAT_020": self.read_rigid}
         if self.kind == "MAT_015":
             self.read_johnson_cook()
         elif self.kind == "MAT_004":
@@ -103,7 +103,7 @@ class Material:
                 self.remarks.append(f"LCSS = {number_of_curve}: between its rates stresses are linear in the rate, not in its "
                                     "logarithm.")
             if len(table) > 1:
-                if self.kind != "MAT_106":
+                if self.kind != "MAT_106" and self.record.number("VP") != 1:
                     self.remarks.append(f"LCSS = {number_of_curve} is a table over strain rates: they are plastic ones.")
                 self.rows = [(rate, self.curve_of_flow(curve)) for rate, curve in table]
                 return self.rows[0][1] if all(points for _, points in self.rows) else None
@@ -222,26 +222,34 @@ class Material:
         if self.modulus == 0:
             self.modulus = 2 * shear * (1 + self.poisson)
             self.remarks.append("E is 2 G (1 + PR); where PR is blank, set Poisson's ratio.")
-        names = (("Yield stress", "A"), ("Hardening coefficient", "B"), ("Hardening exponent", "N"),
-                 ("Rate coefficient", "C"), ("Thermal exponent", "M"), ("Melting temperature", "TM"),
-                 ("Reference temperature", "TR"), ("Reference rate", "EPSO"))
         self.flow = {"Flow stress": "johnson cook",
                      "#heat": "LS-DYNA turns all plastic work into heat.",
                      "Taylor-Quinney coefficient": 1,
                      "Specific heat capacity": number(record.number("CP")),
                      "Initial temperature": number(record.number("TR")),
-                     "johnson cook": {name: number(record.number(field)) for name, field in names}}
-        cook = self.flow["johnson cook"]
+                     "johnson cook": self.constants_of_cook()}
         if not record.number("TM") > record.number("TR"):
             self.remarks.append("TM is not above TR: there is no thermal softening.")
-            cook.update(WITHOUT_SOFTENING)
-        if record.number("C") == 0 and record.number("EPSO") == 0:
-            cook["Reference rate"] = 1
         if record.number("CP") == 0:
             self.remarks.append("CP = 0: plastic work does not heat.")
             for entry in ("#heat", "Taylor-Quinney coefficient", "Specific heat capacity"):
                 del self.flow[entry]
         self.read_damage()
+
+    def constants_of_cook(self):
+        record = self.record
+        cook = {name: number(record.number(field)) for name, field in (
+            ("Yield stress", "A"), ("Hardening coefficient", "B"), ("Hardening exponent", "N"), ("Rate coefficient", "C"),
+            ("Thermal exponent", "M"), ("Melting temperature", "TM"), ("Reference temperature", "TR"), ("Reference rate", "EPSO"))}
+        if not record.number("TM") > record.number("TR"):
+            cook.update(WITHOUT_SOFTENING)
+        if record.number("EPSO") == 0 and (record.number("C") == 0 or self.kind == "MAT_098"):
+            cook["Reference rate"] = 1
+        return cook
+
+    def read_simplified_cook(self):
+        self.flow = {"Flow stress": "johnson cook", "Initial temperature": 0, "johnson cook": self.constants_of_cook()}
+        self.read_failure_strain("PSFAIL")
 
     def read_damage(self):
         """D1 to D5 and EFMIN."""
