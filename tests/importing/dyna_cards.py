@@ -26,7 +26,7 @@ class DynaCards(DeckTest):
                    "set Quadratic bulk viscosity = 1.2", "set Interval = 1e-06", "set Statistics interval = 1e-07",
                    "set Further outputs = part history", "set Mesh nodes = 1, 2",
                    "LCSS = 8 is a table over strain rates: they are plastic ones", "set Strain rates = 0.001, 100",
-                   "set Flow stresses = 200, 300; ",
+                   "set Plastic strains = 0, 0.5, 10 set", "set Flow stresses = 200, 300, 2200; 250, 350, 2250",
                    "SOFT = 2 is not used", "VDC = 20 is not used", "*HOURGLASS (1 time")
         self.check(replaced(PRESS, (card(0, 0, 8), card(0, 0, 8, 0, 1))), "!they are plastic ones", "!VP", "set Strain rates = 0.001, 100")
         self.dry_run("deck.prm")
@@ -37,7 +37,7 @@ class DynaCards(DeckTest):
         old = "*DEFINE_TABLE\n         8\n               0.001\n                 100\n"
         new = "*DEFINE_TABLE_2D\n" + card(8) + "\n" + card(4.6, 81, width=20) + "\n" + card(-6.9077553, 82, width=20) + "\n"
         log = ("PLASTICITY\n", "PLASTICITY_LOG_INTERPOLATION\n")
-        self.check(replaced(PRESS, (old, new), log), "set Strain rates = 0.000999999979, 99.48431564", "set Flow stresses = 250, 350; 200, 300",
+        self.check(replaced(PRESS, (old, new), log), "set Strain rates = 0.000999999979, 99.48431564", "set Flow stresses = 250, 350, 2250; 200, 300, 2200",
                    "stresses are linear in the rate, not in its logarithm")
         with self.assertRaisesRegex(DeckError, "8 names the curve 83, which is not there"):
             self.converted(replaced(PRESS, (old, replaced(new, ("82", "83")))), "deck.k")
@@ -144,7 +144,7 @@ class DynaCards(DeckTest):
                     curve(21, (0, 300), (0.1, 400)) + curve(22, (20, 210000), (520, 180000)) +
                     curve(23, (20, 300), (520, 100)))
         self.check(replaced(BAR, (ELASTIC, material)), "set Young's modulus = 210000", "set Temperatures = 20, 520",
-                   "set Flow stresses = 300, 400; 100, 200", "the thermal expansion is left out",
+                   "set Flow stresses = 300, 400, 10300; 100, 200, 10100", "the thermal expansion is left out",
                    "set Cowper-Symonds rate = 40 set Cowper-Symonds exponent = 5", "set Initial temperature = 20")
         heat = ("*MAT_THERMAL_ISOTROPIC\n" + card(9) + "\n" + card("4.5E8", 50) + "\n*INITIAL_TEMPERATURE_SET\n" +
                 card(0, 20.0) + "\n")
@@ -159,7 +159,7 @@ class DynaCards(DeckTest):
             1, 1, 1, 0, 0, 0, 0, 9)))
         self.check(text, "set Young's modulus = 20: 210000, 520: 180000", "set Poisson's ratio = 20: 0.3, 520: 0.35",
                    "set Thermal expansion = 20: 1.2e-05, 520: 1.4e-05", "set Temperatures = 20, 520",
-                   "set Flow stresses = 300, 2319.230769; 100, 1105.586592")
+                   "set Plastic strains = 0, 10 ", "set Flow stresses = 300, 20492.30769; 100, 10155.86592")
         self.check(replaced(BAR, (ELASTIC, replaced(material, (card(300, 100), card(0)), (card(2000, 1000), card(0))))),
                    "set Model = elastic", "set Young's modulus = 210000", "!Flow stress")
 
@@ -310,7 +310,7 @@ class DynaCards(DeckTest):
                     "\n" + card("4.5E8", 50) + "\n")
         text = replaced(BAR, (ELASTIC, material), (card(1, 1, 1), card(1, 1, 1, 0, 0, 0, 0, 9)))
         # The expansion from 20 to 1020 is 0.02: the mean of its increments.
-        self.check(text, "set Temperatures = 20, 520 set Flow stresses = 300, 350; 100, 150", "!Strain rates",
+        self.check(text, "set Temperatures = 20, 520 set Flow stresses = 300, 350, 5300; 100, 150, 5100", "!Strain rates",
                    "set Thermal expansion = 19.999: 1e-05, 20.001: 1e-05, 1019.999: 3e-05, 1020.001: 2e-05")
         with self.assertRaisesRegex(DeckError, "LCALPH of material 1: 61 is no"):
             self.converted(text.replace("-60", "-61"), "deck.k")

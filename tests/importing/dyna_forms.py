@@ -164,8 +164,10 @@ CASES = {
             "set Boundary = held along x", "set Function = 0; 0; free", "!set Boundary = held along z",
             "set Where    = abs(x - 1) < 4e-06", "set Function = free; free; 0"]),
     "a hardening curve": ([(MATERIAL, PLASTIC + card(1.0) + "\n" + card(0, 0, 5) + "\n" + CURVE)], 0, [
-        "set Plastic strains = 0, 1e-05, 0.1", "set Flow stresses   = 300, 300, 400", "begins at the strain 1e-05",
+        "set Plastic strains = 0, 1e-05, 0.1, 10\n", "set Flow stresses   = 300, 300, 400, 10300.9901", "begins at the strain 1e-05",
         "SIGY = 1.0 is not used"]),
+    "a hardening curve that falls": ([(MATERIAL, PLASTIC + card(1.0) + "\n" + card(0, 0, 5) + "\n" + CURVE.replace("400", "200"))], 0, [
+        "set Plastic strains = 0, 1e-05, 0.1\n", "falls at its end: it is constant beyond"]),
     "a hardening curve that is not there": ([(MATERIAL, PLASTIC + "\n" + card(0, 0, 5) + "\n")], 1, [
         "line 11: LCSS = 5 of material 1 is no *DEFINE_CURVE of this file, and there is no SIGY"]),
     "no yield stress": ([(MATERIAL, PLASTIC + "\n")], 1, ["the yield stress (SIGY) of material 1 is 0"]),

@@ -9,6 +9,7 @@ from .cards import form_of
 
 MODELS = ("MAT_001", "MAT_003", "MAT_004", "MAT_015", "MAT_020", "MAT_024", "MAT_098", "MAT_106")
 NO_FAILURE = 1e10  # a strain
+FAR = 10  # a strain beyond those that are reached
 EOS = ("EOS_GRUNEISEN", "EOS_LINEAR_POLYNOMIAL")
 
 
@@ -115,6 +116,15 @@ class Material:
         if curve.points[0][0] > 0:
             self.remarks.append(f"The curve of hardening begins at the strain {curve.points[0][0]:g}: it is constant "
                                 "before.")
+        return self.with_last_slope(points)
+
+    def with_last_slope(self, points):
+        """Beyond its end a curve goes on with its last slope; one that falls stays."""
+        (strain, stress), (last_strain, last) = points[-2:] if len(points) > 1 else 2 * points
+        if last > stress and last_strain < FAR:
+            points = [*points, (FAR, last + (FAR - last_strain) * (last - stress) / (last_strain - strain))]
+        elif last < stress:
+            self.remarks.append("The curve of hardening falls at its end: it is constant beyond.")
         return points
 
     def read_piecewise_linear(self):
@@ -165,8 +175,8 @@ class Material:
             self.refuse_zero("yield stress (SIGY)", stress)
             self.check_tangent(tangent, modulus)
         self.flow = {"Flow stress": "tabular", "tabular": {
-            "Plastic strains": "0, 1", **({"Temperatures": ", ".join(number(row[0]) for row in columns)} if n > 1 else {}),
-            "Flow stresses": "; ".join(f"{number(s)}, {number(s + e * t / (e - t))}" for _, e, _, _, s, t in columns)}}
+            "Plastic strains": f"0, {FAR}", **({"Temperatures": ", ".join(number(row[0]) for row in columns)} if n > 1 else {}),
+            "Flow stresses": "; ".join(f"{number(s)}, {number(s + FAR * e * t / (e - t))}" for _, e, _, _, s, t in columns)}}
 
     def read_rigid(self):
         """Without stress; motion is that of the part."""
