@@ -373,8 +373,7 @@ def at_one_temperature(constants, temperature, remarks):
         if ":" in text:
             points = [tuple(float(word) for word in pair.split(":")) for pair in text.split(",")]
             text = number(interpolated(points, temperature))
-            remarks.append(f"No step has heat: the {name[0].lower() + name[1:]} is that of the temperature "
-                           f"{temperature:g}.")
+            remarks.append(f"No step has heat: {name} is that of the temperature {temperature:g}.")
         result[name] = text
     return result
 

@@ -93,6 +93,10 @@ class AbaqusConditions(DeckTest):
         self.assertNotIn("Force", self.scene(steps(held, held), "deck.inp")[0])
         self.assertEqual(self.scene(steps(held + "*CLOAD\n 1, 3, 5.\n", "*CLOAD, OP=NEW\n"), "deck.inp")[0].count("set Force"), 1)
 
+    def test_a_reference_node_is_one_node(self):
+        with self.assertRaisesRegex(DeckError, 'REF NODE="NONE" of \\*RIGID BODY has 0 nodes. Allowed is one.'):
+            self.converted(replaced(IMPACT, ("*STEP", "*NSET, NSET=NONE\n*RIGID BODY, REF NODE=NONE, ELSET=BAR\n*STEP")), "deck.inp")
+
     def test_a_rigid_body_of_the_plane(self):
         text = ("*NODE\n 1, 0., 0.\n 2, 1., 0.\n 3, 1., 1.\n 4, 0., 1.\n 9, 0.5, 0.\n*ELEMENT, TYPE=CPE4R, ELSET=B\n 1, 1,2,3,4\n"
                 "*MATERIAL, NAME=M\n*DENSITY\n 1E-9,\n*ELASTIC\n 100., 0.3\n*SOLID SECTION, ELSET=B, MATERIAL=M\n"
@@ -120,9 +124,11 @@ class AbaqusConditions(DeckTest):
         self.assertAlmostEqual((position[-1] - position[0]) / 1.5e-4, 1, 6)
 
     def test_contacts_that_are_not_understood(self):
-        surface = "*SURFACE INTERACTION, NAME=I\n*FRICTION, ROUGH\n*SURFACE, NAME=W, TYPE=CYLINDER\n 0., 0., 0., 1., 0., 0.\n"
+        surface = ("*SURFACE INTERACTION, NAME=I\n*FRICTION, ROUGH\n*SURFACE, NAME=W, TYPE=CYLINDER\n 0., 0., 0., 1., 0., 0.\n"
+                   "*SURFACE, NAME=V, COMBINE=UNION\n TOP, TOP\n")
         for pair, *parts in (("TOP,", "a surface does not meet itself here", "!set Slave"),
                              ("TOP, W", 'the *SURFACE "W" (line 50) is of TYPE=CYLINDER, which is not read', "!set Slave"),
+                             ("TOP, V", 'the *SURFACE "V" (line 52) is of COMBINE=UNION, which is not read', "!set Slave"),
                              ("TOP, TOP", "set Friction = 10"), ("TOP, TOP, TIED", "set Type = tied", "!set Friction")):
             pair, tied, _ = pair.partition(", TIED")
             text = replaced(IMPACT, ("*STEP", surface + f"*CONTACT PAIR, INTERACTION=I{tied and ', TIED'}\n {pair}\n*STEP"))

@@ -184,6 +184,8 @@ CASES = {
          "\n*SET_NODE_LIST\n         2\n")], 0, [
              'the part 5 "skin" has no solid elements', "set Parts            = bar\n",
              "*ELEMENT_SHELL (cards: 1): shells are no cells"]),
+    "a part without a number": ([("*PART\nbar\n" + card(1, 1, 1), "*PART_INERTIA\nbar\n\n" + card(2, 0.5, 0.5))], 1, [
+        'line 8: "" stands where the number of a part should']),
     "no solids": ([("*ELEMENT_SOLID", "*ELEMENT_BEAM")], 1, ["there are no hexahedra (*ELEMENT_SOLID)"]),
     "a name in Latin-1": ([("*SET_NODE_LIST\n         1\n", "*SET_NODE_LIST_TITLE\nHülse, #1\n         1\n")], 0, [
         "set Boundary = Hülse 1\n"]),

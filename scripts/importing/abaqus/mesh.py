@@ -9,6 +9,7 @@ from .element_types import ElementType
 from .generators import GENERATORS, cartesian, generate_elements, generate_nodes
 
 HIDDEN = ("NCOPY", "NMAP", "ELCOPY", "SYSTEM")
+COMBINING = ("COMBINE", "CROP")  # options of surfaces
 LARGEST = 10 ** 12
 
 
@@ -248,7 +249,7 @@ class AbaqusMesh(Mesh):
 
     def read_surface(self, section, content):
         kind = key(section.get("TYPE"))
-        if kind not in ("", "ELEMENT", "NODE"):
+        if kind not in ("", "ELEMENT", "NODE") or any(option in section.options for option in COMBINING):
             section.is_read = False
             return
         name = section.name_in("NAME")

@@ -101,7 +101,10 @@ class Parts:
         part.entries = {"Displacement": "; ".join(["free"] * self.mesh.dimension),
                         "Rotation": "free"}
         reference = section.name_in("REF NODE")
-        node = self.converter.all_nodes_of(section.line, reference, section.scope)[0]
+        nodes = self.converter.all_nodes_of(section.line, reference, section.scope)
+        if len(nodes) != 1:
+            section.line.fail(f'REF NODE="{reference}" of *RIGID BODY has {len(nodes)} nodes. Allowed is one.')
+        node = nodes[0]
         part.entries["Origin"] = ", ".join(map(number, self.mesh.points[node][:self.mesh.dimension]))
         self.rigid[node] = part.name
         self.free[part.name] = dict(part.entries)

@@ -11,7 +11,7 @@ from .histories import HistoryReader
 from .initial import InitialConditions
 from .links import LinkReader
 from .materials import read_materials
-from .mesh import Entry
+from .mesh import COMBINING, Entry
 from .parts import Parts
 from .steps import Step, read_mass_scaling, read_output, steps_of
 
@@ -231,7 +231,8 @@ class Converter:
         if not found:
             for section in self.deck.named("SURFACE"):
                 if key(section.options.get("NAME", "")) == key(name):
-                    raise NotUnderstood(f'the *SURFACE "{text}" ({section.line.place}) is of TYPE={section.get("TYPE")}, which is '
+                    option = next((one for one in COMBINING if one in section.options), "TYPE")
+                    raise NotUnderstood(f'the *SURFACE "{text}" ({section.line.place}) is of {option}={section.get(option)}, which is '
                                         "not read")
             line.fail(f'There is no *SURFACE "{text}".')
         body, surface = found[0]

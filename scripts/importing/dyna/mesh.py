@@ -161,7 +161,7 @@ class DynaMesh(Mesh):
         for section in self.deck.named("PART", "PART_CONTACT", "PART_INERTIA"):
             for record in section.records():
                 if record.lines:
-                    record.line.integer(record.fields["PID"].text if record.fields else "", "the number of a part")
+                    record.line.integer(record.text("PID"), "the number of a part")
                     if record.integer("PID") in self.titles:
                         record.line.fail(f"There are two parts of number {record.integer('PID')}.")
                     self.titles[record.integer("PID")] = record.title
