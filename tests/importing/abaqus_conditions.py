@@ -62,7 +62,21 @@ class AbaqusConditions(DeckTest):
         text = replaced(IMPACT, ("*OUTPUT, FIELD", "*DLOAD\n BAR, CENTRIF, 1., 0., 0., 0., 0., 0., 1.\n BAR, P1, 5.\n*OUTPUT, FIELD"))
         self.check(text, "CENTRIF is not understood (P1 to P6 and GRAV are), so that this is left out (line 54)", "set Function = 5 ")
         self.check(replaced(text, ("CENTRIF, 1., 0., 0., 0., 0., 0., 1.", "GRAV, 9810., 0., -1., -1.")),
-                   "the direction of GRAV is no unit vector", "set Function = 0; (9810)*-1; (9810)*-1")
+                   "the direction of GRAV is no unit vector", "set Function = 0; (9810)*-0.7071067812; (9810)*-0.7071067812")
+        self.check(replaced(text, ("CENTRIF, 1., 0., 0., 0., 0., 0., 1.", "GRAV, 9810.")), "GRAV has no direction, so that this is left out")
+
+    def test_loads_of_one_step_act_together(self):
+        step = "*STEP, NAME={}\n*DYNAMIC, EXPLICIT\n , 1E-6\n{}*END STEP\n"
+        loads = "*DLOAD\n BAR, GRAV, 3., 1., 0., 0.\n BAR, GRAV, 4., 0., 1., 0.\n*DSLOAD\n TOP, P, 5.\n*DSLOAD\n TOP, P, 5.\n"
+        bare = (START, ""), ("*BOUNDARY\n FOOT, 3, 3\n XS, XSYMM\n", "")
+        self.check(replaced(IMPACT, (STEP, step.format("A", loads)), *bare), "set Conditions = gravity 1, gravity 2, load 3, load 4",
+                   runs=True)
+        x, y, z = (self.rows("statistics.csv")[f"momentum {axis}"][-1] for axis in "xyz")
+        self.assertAlmostEqual(y / x, 4 / 3, 6)
+        self.assertAlmostEqual(z / x * 2 * 8.96e-9, -10 / 3, 3)
+        self.check(replaced(IMPACT, (STEP, step.format("A", loads) + step.format("B", "*DLOAD\n BAR, GRAV, 7., 1., 0., 0.\n")), *bare),
+                   "set Conditions = gravity 1, gravity 2, load 3, load 4", "set Conditions = load 3, load 4, gravity 5",
+                   "set Function = (7)*1; 0; 0")
 
     def test_what_ends_in_a_step_begins_anew(self):
         def step(name, text):

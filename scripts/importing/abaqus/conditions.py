@@ -66,7 +66,8 @@ class Conditions:
             self.amplitudes[key(one.name)] = one
         self.transforms = Transforms(converter)
         self.held = {}     # by target: values by degree of freedom, as text, with the kind
-        self.loads = {}    # entries of loads by what they act on
+        self.loads = {}    # entries of loads by what they act on, and by their number in the step where it is not the first
+        self.of_step = set()  # those that the present step has said
         self.at_begin = {}   # displacements at the begin of the step, by target and degree of freedom
         self.begun = set()    # keywords whose OP=NEW a step has seen
         self.tables = {}      # name, factor and points of tables, by the texts of their functions
@@ -178,6 +179,7 @@ class Conditions:
         if self.converter.step is not self.converter.steps[0]:
             self.at_begin = {(target, dof): last for target, values in self.held.items()
                              for dof, (kind, _, last) in self.items(values) if kind == "displacement"}
+        self.of_step = set()
         last_loads = self.converter.last_loads
         self.converter.last_loads = {target: last_loads[target] for target in last_loads if target in self.loads}
         for values in self.held.values():
@@ -214,7 +216,7 @@ class Conditions:
             if isinstance(word, tuple):
                 self.converter.parts.push(*word, entries["Force"])
             else:
-                names.append(self.add(word, entries, place))
+                names.append(self.add(word, entries, place, names))
         return names
 
     def conditions_at(self, where, axes, values):
@@ -253,10 +255,10 @@ class Conditions:
     def items(values):
         return [(dof, value) for dof, value in values.items() if dof != "line"]
 
-    def add(self, word, entries, comment):
-        """A condition; one that is there already is named again."""
+    def add(self, word, entries, comment, of_step=()):
+        """A condition; one that is there already is named again, unless it is one of this step."""
         for name, (_, known) in self.scene.named["Conditions"].items():
-            if known == entries:
+            if known == entries and name not in of_step:
                 return name
         return self.scene.add("Conditions", word, entries, comment)
 
@@ -267,16 +269,25 @@ class Conditions:
 
     # Loads. Each is a word, or a rigid part with a degree of freedom, entries and a place, by what it acts on.
 
-    def keep(self, section, target, what, word, entries, place):
-        self.loads[section.name, key(target), what] = (word, entries, place)
+    def load_of(self, section, target, what):
+        """A load of a step takes the place of those of steps before, and a further one acts beside it."""
+        load = first = section.name, key(target), what
+        while load in self.of_step:
+            load = *first, load[3] + 1 if len(load) > 3 else 2
+        return load
 
-    def last_of(self, section, target, what):
-        return self.converter.last_loads.get((section.name, key(target), what), 0.0)
+    def keep(self, section, target, what, word, entries, place):
+        load = self.load_of(section, target, what)
+        if len(load) == 3:
+            self.loads = {one: value for one, value in self.loads.items() if one[:3] != load}
+        self.loads[load] = (word, entries, place)
+        self.of_step.add(load)
 
     def value(self, section, target, what, value):
-        text, last = self.function(section, value, self.last_of(section, target, what))
-        self.converter.last_loads[section.name, key(target), what] = last
-        self.last_texts[section.name, key(target), what] = (text, last)
+        load = self.load_of(section, target, what)
+        text, last = self.function(section, value, self.converter.last_loads.get(load, 0.0))
+        self.converter.last_loads[load] = last
+        self.last_texts[load] = (text, last)
         return text
 
     def concentrated(self, section):
@@ -324,9 +335,13 @@ class Conditions:
             target, word, value = row.text(0), key(row.text(1)), row.number(2)
             if word == "GRAV":
                 direction = [row.number(k) for k in range(3, 6)]
-                if abs(sum(x * x for x in direction) - 1) > 1e-4:
-                    self.report.note(row.line.place, f"*DLOAD: the direction of GRAV is no unit vector; {value:g} times this "
-                                     "vector acts, as in CalculiX.")
+                length = sum(x * x for x in direction) ** 0.5
+                if not length:
+                    raise NotUnderstood("GRAV has no direction")
+                if abs(length - 1) > 1e-4:
+                    self.report.note(row.line.place, "*DLOAD: the direction of GRAV is no unit vector: its length is not used, as in "
+                                     "CalculiX.")
+                    direction = [x / length for x in direction]
                 direction = direction[:self.mesh.dimension]
                 text = self.value(section, target, word, value)
                 self.keep(section, target, word, "gravity", {

@@ -165,5 +165,5 @@ class Parts:
     def push(self, name, dof, text):
         part = self.scene.part(name)
         terms = part.entries.get("Force", "; ".join(["0"] * self.mesh.dimension)).split("; ")
-        terms[dof - 1] = text
+        terms[dof - 1] = text if terms[dof - 1] == "0" else f"{terms[dof - 1]} + {text}"
         part.entries["Force"] = "; ".join(terms)
