@@ -201,6 +201,8 @@ class AbaqusConditions(DeckTest):
                    "*INITIAL CONDITIONS: all steps are *HEAT TRANSFER, so that this is left out",
                    "*EL PRINT: all steps are *HEAT TRANSFER, so that this is left out",
                    "what the material has for mechanics is not used", runs=True)
+        self.check(TIED.replace("*COUPLED TEMPERATURE-DISPLACEMENT", "*HEAT TRANSFER"), "!Body contact: joint",
+                   "*TIE: all steps are *HEAT TRANSFER, and bodies do not touch without mechanics here, so that this is left out")
         self.check(replaced(TIED, ("*COUPLED TEMPERATURE-DISPLACEMENT", "*HEAT TRANSFER, STEADY STATE")),
                    "set Stages = Heat, Press", "set End time = 1 set Time integration = quasi-static set Conditions = support 1, temp",
                    "other steps have mechanics, and here the body expands at rest", "STEADY STATE is not used")

@@ -4,6 +4,7 @@
 from itertools import combinations
 
 from ..scene import NotUnderstood, number
+from .conditions import HEAT_ALONE
 from .deck import key
 
 MOST_PAIRS = 45
@@ -110,5 +111,9 @@ class Contacts:
                            section.line.place)
         self.converter.report.note(section.line.place, "*CONTACT: a body that folds and meets itself is not seen.")
 
+    def refuse(self, section):
+        raise NotUnderstood(f"{HEAT_ALONE}, and bodies do not touch without mechanics here")
+
     def readers(self):
-        return {"CONTACT PAIR": self.pair, "TIE": self.tie, "CONTACT": self.general}
+        readers = {"CONTACT PAIR": self.pair, "TIE": self.tie, "CONTACT": self.general}
+        return readers if self.converter.has_mechanics else dict.fromkeys(readers, self.refuse)
