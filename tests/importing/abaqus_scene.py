@@ -109,9 +109,11 @@ class AbaqusScene(DeckTest):
     def test_steady_heat_needs_no_capacity(self):
         text = IMPACT[:IMPACT.index("*MATERIAL")] + (
             "*MATERIAL, NAME=COPPER\n*CONDUCTIVITY\n 50.,\n*STEP\n*HEAT TRANSFER, STEADY STATE\n 1., 1.\n*BOUNDARY\n FOOT, 11, 11, 0.\n"
-            "*FILM\n 2, F2, -12., 10.\n*END STEP\n")
+            "*FILM\n 2, F2, -12., 10.\n*NODE PRINT, NSET=ALL\n NT\n*END STEP\n")
         self.check(text, "set Model = heat conductor", "set Specific heat capacity = 0.00125", "set Conductivity = 50",
                    "Steps of heat are steady", "The densities do not tell the units", runs=True)
+        # Two lengths of 1 with the conductivity 50, and the film of 10.
+        self.assertAlmostEqual(self.rows("probes.csv")["mesh node 12 temperature"][-1], -12 * 0.4 / 1.4, 9)
 
     def test_johnson_cook_without_temperatures_does_not_soften(self):
         self.check(replaced(IMPACT, (" 90., 292., 0.31, 1.09, 1356., 298.", " 90., 292., 0.31, 0.77")),

@@ -39,7 +39,8 @@ class Step:
             report.note(self.section.line.place, "*STEP without NLGEOM: displacements can be large here.")
         if section.name == "DYNAMIC" and not self.is_explicit:
             report.note(section.line.place, "*DYNAMIC: steps are explicit here.")
-        default = "RAMP" if section.name == "STATIC" or self.is_steady else "STEP"
+        # Steady heat alone comes to rest behind a ramp, and has its last state exactly from the start.
+        default = "RAMP" if section.name == "STATIC" or (self.is_steady and not self.is_heat_alone) else "STEP"
         self.ramps = not self.is_explicit and key(self.section.get("AMPLITUDE", default)) == "RAMP"
         if self.is_static or self.has_heat:
             for row in rows[:1]:
