@@ -201,6 +201,7 @@ class AbaqusConditions(DeckTest):
                    "*INITIAL CONDITIONS: all steps are *HEAT TRANSFER, so that this is left out",
                    "*EL PRINT: all steps are *HEAT TRANSFER, so that this is left out",
                    "what the material has for mechanics is not used", runs=True)
+        self.check(replaced(text, (" FOOT, 3, 3\n", " FOOT, 3, 999999999999\n")), "the degree of freedom 7 is not understood")
         self.check(TIED.replace("*COUPLED TEMPERATURE-DISPLACEMENT", "*HEAT TRANSFER"), "!Body contact: joint",
                    "*TIE: all steps are *HEAT TRANSFER, and bodies do not touch without mechanics here, so that this is left out")
         self.check(replaced(TIED, ("*COUPLED TEMPERATURE-DISPLACEMENT", "*HEAT TRANSFER, STEADY STATE")),

@@ -147,6 +147,8 @@ class Conditions:
                 row.is_read = [True] * len(row)
 
     def hold(self, section, row, target, dof, value, kind):
+        if not (1 <= dof <= 6 or dof == TEMPERATURE):
+            raise NotUnderstood(f"the degree of freedom {dof} is not understood (1 to 3 and {TEMPERATURE} are)")
         rigid = self.converter.rigid_of(row.line, target)
         if dof != TEMPERATURE and not self.converter.has_mechanics:
             self.report.count(row.line.place, f"*BOUNDARY: {HEAT_ALONE}, and displacements are not used.")
@@ -156,8 +158,6 @@ class Conditions:
             return
         if dof > self.mesh.dimension and dof <= 3:
             return
-        if not (1 <= dof <= 6 or dof == TEMPERATURE):
-            raise NotUnderstood(f"the degree of freedom {dof} is not understood (1 to 3 and {TEMPERATURE} are)")
         name = key(target) if rigid is None else ("rigid", rigid)
         values = self.held.setdefault(name, {"line": row.line})
         at_start = 0.0
