@@ -38,6 +38,9 @@ LARGEST_HEAT_ERROR = 1e-6
 LARGEST_TEMPERATURE = 1e6  # scenes are between 100 and 1000, and plastic heat makes tens of thousands
 SAME_ON_RANKS = 1e-10
 SAME_WITH_ROUNDED_ROWS = 1e-7  # a coefficient between two floats is rounded either way
+# The least pressure beside which others count, over that of a strain of one: round-off of positions, or of rows.
+LEAST_PRESSURE = 1e-10
+LEAST_WITH_ROUNDED_ROWS = 1e-2
 SAME_STEP = 0.05
 PERTURBATION = 1e-13
 GROWTH = 100.
@@ -347,7 +350,7 @@ def difference_of(scene, first, second):
             return math.inf, "rows"
         own = largest(both[name])
         scale = {"M L^2/T^2": energies, "M L/T": momenta, "M L^2/T": reach * momenta,
-                 "M/(L T^2)": max(own, (1e-2 if scene["rounded rows"] else 1e-10) * pressure),
+                 "M/(L T^2)": max(own, (LEAST_WITH_ROUNDED_ROWS if scene["rounded rows"] else LEAST_PRESSURE) * pressure),
                  "L/T": max(own, 1e-10 * momentum / scale_of_mass(scene))}.get(unit, own)
         for a, b in zip(values, other[name][1]):
             if abs(a - b) > result[0] * scale:

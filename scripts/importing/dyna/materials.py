@@ -238,7 +238,7 @@ class Material:
                      "Specific heat capacity": number(record.number("CP")),
                      "Initial temperature": number(record.number("TR")),
                      "johnson cook": self.constants_of_cook()}
-        if not record.number("TM") > record.number("TR"):
+        if not self.softens():
             self.remarks.append("TM is not above TR: there is no thermal softening.")
         if record.number("CP") == 0:
             self.remarks.append("CP = 0: plastic work does not heat.")
@@ -246,12 +246,16 @@ class Material:
                 del self.flow[entry]
         self.read_damage()
 
+    def softens(self):
+        """Whether a Johnson-Cook material does with the temperature."""
+        return self.record.number("TM") > self.record.number("TR")
+
     def constants_of_cook(self):
         record = self.record
         cook = {name: number(record.number(field)) for name, field in (
             ("Yield stress", "A"), ("Hardening coefficient", "B"), ("Hardening exponent", "N"), ("Rate coefficient", "C"),
             ("Thermal exponent", "M"), ("Melting temperature", "TM"), ("Reference temperature", "TR"), ("Reference rate", "EPSO"))}
-        if not record.number("TM") > record.number("TR"):
+        if not self.softens():
             cook.update(WITHOUT_SOFTENING)
         if record.number("EPSO") == 0 and (record.number("C") == 0 or self.kind == "MAT_098"):
             cook["Reference rate"] = 1
